@@ -21,17 +21,18 @@ if TYPE_CHECKING:
     from particles.kernel.records import Records
     from particles.kernel.tracer import Batch
 
-#: Tracers that a kernel is called with, so that the memory that a call needs does not grow with
-#: their number. The origin of the number is not recorded.
+#: Tracers at most that a kernel is called with: the memory of a call does not grow with their
+#: number. The origin of the number is not recorded.
 BATCH_SIZE = 4096
 #: Mean free paths after which a flight counts as endless. Chosen: in a random medium the chance of
 #: one is about exp(-1e6).
 ESCAPE_PATHS = 1e6
-#: Step of the noise, in the least of (l^2/D)^(1/3) and 1/gamma. Errors go with its square: they
-#: were 0.15, 0.23 and 0.07 times it for <v^2>, <v^4>, <r^2> at larger steps. Why 0.02 is not
-#: recorded.
+#: Time step of the noise, over the least of (l^2/D)^(1/3) and 1/gamma. Errors go with its square:
+#: they were 0.15, 0.23 and 0.07 times it for <v^2>, <v^4>, <r^2>, measured at larger steps. Why it
+#: is 0.02 is not recorded.
 NOISE_STEP = 0.02
 
+#: Arrays of a configuration, by the names that they have in a file.
 Arrays = Mapping[str, np.ndarray]
 #: Shape of an array, and what it holds at first.
 ArrayLayout = tuple[tuple[int, ...], float | int]

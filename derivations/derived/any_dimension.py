@@ -10,6 +10,7 @@ the velocity, and cos that of its angle to k.
 from __future__ import annotations
 
 from functools import cache
+from typing import NamedTuple
 
 import sympy as sp
 from sympy.core.function import UndefinedFunction
@@ -142,22 +143,37 @@ def _collision_number() -> Derived:
 
 # -- the chain of <r^4> ---------------------------------------------------------------------------
 
+#: The cosine of the angle between the velocity and a fixed direction.
 COSINE = sp.Symbol("cosine", real=True)
-"""The cosine of the angle between the velocity and a fixed direction."""
 
-Member = tuple[int, int]
-"""A function of the chain: its order in k, and its harmonic."""
 
+class Member(NamedTuple):
+    """A function of the chain: a coefficient of the expansion of <exp(i k.r)> at one velocity."""
+
+    order: int  # of the power of k
+    m: int  # of the harmonic in the angle between the velocity and k
+
+
+#: The order 0 of <exp(i k.r)>, which is 1: it drives the chain.
+_ONE = Member(order=0, m=0)
+#: The member that is chi_1.
+_CHI1 = Member(order=1, m=1)
+#: The member that is rho_2, the density of <r^2>.
+_RHO2 = Member(order=2, m=0)
+#: The member that is S_2.
+_S2 = Member(order=2, m=2)
+#: The member that is W_1.
+_W1 = Member(order=3, m=1)
+#: The member that is rho_4, the density of <r^4>.
+_RHO4 = Member(order=4, m=0)
+#: The functions of the chain, each after those that drive it.
 MEMBERS: dict[Member, UndefinedFunction] = {
-    (1, 1): s.chi1,
-    (2, 0): s.rho2,
-    (2, 2): s.S2,
-    (3, 1): s.W1,
-    (4, 0): s.rho4,
+    _CHI1: s.chi1,
+    _RHO2: s.rho2,
+    _S2: s.S2,
+    _W1: s.W1,
+    _RHO4: s.rho4,
 }
-"""The functions of the chain by (order in k, harmonic), each after those that drive it."""
-_START: Member = (0, 0)
-"""The order 0 of <exp(i k.r)>, which is 1."""
 
 
 @cache
@@ -199,7 +215,7 @@ def scale(member: Member, dimension: int) -> sp.Expr:
     order, m = member
     if m == 0:
         return over_directions(COSINE**order, dimension) / sp.factorial(order)
-    if member == (1, 1) or dimension == 3:
+    if member == _CHI1 or dimension == 3:
         return sp.Integer(1)
     return 2 * sp.Integer(-1) ** ((order - m) // 2)  # exp(i m phi) + exp(-i m phi)
 
@@ -214,7 +230,7 @@ def sources(dimension: int) -> dict[Member, dict[Member, sp.Expr]]:
     for member in MEMBERS:
         order, m = member
         chain[member] = {}
-        for source in (_START, *MEMBERS):
+        for source in (_ONE, *MEMBERS):
             source_order, source_m = source
             if source_order != order - 1:
                 continue
@@ -232,7 +248,7 @@ def chain_equation(member: Member, dimension: int) -> sp.Eq:
     after_collision = Avg(kernel(m, dimension) * unknown(s.s * s.zeta))
     drive = sp.Integer(0)
     for source, factor in sources(dimension)[member].items():
-        drive += factor * (1 if source == _START else MEMBERS[source](s.zeta))
+        drive += factor * (1 if source == _ONE else MEMBERS[source](s.zeta))
     rate = after_collision - unknown(s.zeta) + drive
     return eq(sp.Derivative(unknown(s.zeta), s.zeta), rate)
 
@@ -256,9 +272,9 @@ def late_flatness(dimension: int) -> sp.Expr:
         monomial, coefficient = change.LT()
         return (coefficient * monomial.as_expr()).subs(log_ratio, -s.klog)
 
-    square = -drive[2, 0][1, 1] * along / shift(1)  # rho_2 over X
-    third_order = drive[3, 1][2, 0] * square * x / (1 - mean_cosine)  # W_1
-    fourth_power = -drive[4, 0][3, 1] * third_order / shift(2)  # rho_4 over X^2
+    square = -drive[_RHO2][_CHI1] * along / shift(1)  # rho_2 over X
+    third_order = drive[_W1][_RHO2] * square * x / (1 - mean_cosine)  # W_1
+    fourth_power = -drive[_RHO4][_W1] * third_order / shift(2)  # rho_4 over X^2
     return sp.cancel(fourth_power / square**2)
 
 
@@ -277,12 +293,12 @@ row("beyond:quartic-space", lambda: _quartic(3))
 def elastic_transform(dimension: int) -> sp.Expr:
     """The Laplace transform of <r^4> in zeta at one speed, for elastic smooth bounces (s = 1)."""
     rates = {0: sp.Integer(0), 1: s.nu1, 2: s.nu2}
-    transforms: dict[Member, sp.Expr] = {_START: 1 / s.laplace}
+    transforms: dict[Member, sp.Expr] = {_ONE: 1 / s.laplace}
     for member, drive in sources(dimension).items():
         _, m = member
         total = sum(factor * transforms[source] for source, factor in drive.items())
         transforms[member] = total / (s.laplace + rates[m])
-    return sp.factor(transforms[4, 0])
+    return sp.factor(transforms[_RHO4])
 
 
 # elastic <r^4> as a Laplace transform: in the plane, in space

@@ -16,7 +16,7 @@ from typing import SupportsFloat
 
 import sympy as sp
 
-#: The restitutions of the paper's figures, at which numbers stand beside its formulas.
+#: The restitutions of the paper's figures, rising, at which numbers stand beside its formulas.
 RESTITUTIONS = (0.4, 0.6, 0.7, 0.9)
 
 

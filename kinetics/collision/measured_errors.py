@@ -38,12 +38,15 @@ from kinetics.numerics import FloatArray
 
 #: From this density on each deviation stands for itself.
 MEASURED_ONE_BY_ONE_FROM = 0.05
-#: The densities whose deviations the line is drawn through. The lowest of the grid is for a test.
+#: Lowest density n whose deviations the line is drawn through: lower ones of the grid are for a
+#: test.
 LINE_FROM = 0.01
+#: Highest density n of the line. The origin of the number is not recorded.
 LINE_TO = 0.1
 #: Densities that a line needs: where fewer were measured, as at late times, it is held in time.
 LEAST_POINTS_OF_LINE = 3
-#: Densities below `MEASURED_ONE_BY_ONE_FROM` at which the envelope is made. Chosen.
+#: Densities n below `MEASURED_ONE_BY_ONE_FROM` at which the envelope is made from the line. Chosen:
+#: each the double of the one before, as interpolation between them is straight.
 LOW_DENSITIES = (0.0025, 0.005, 0.01, 0.02)
 #: Standard errors that are added to a deviation. Chosen: 95 % of a Gaussian are within.
 STANDARD_ERRORS = 2.0

@@ -39,16 +39,24 @@ from kinetics.errors import InputError, ToleranceWarning, suggestion
 
 #: A row of the benchmark, as the JSON document holds it.
 Row = dict[str, object]
+#: Returns seconds since some moment: of the processor, or of the wall clock.
 Clock = Callable[[], float]
 
+#: Name of the JSON document and number of its format, which rises when its fields change.
 FORMAT = "inelastic-lorentz bench 3"
+#: Status of a row that has a time.
 MEASURED = "measured"
+#: Status of a row whose work raised an error.
 FAILED = "failed"
-#: Errors for which the table gives the time to reach them.
-TARGETS = (1e-3, 1e-8)
-#: Seconds from which on work is repeated once.
+#: Relative error, as of a figure or a comparison with data, whose run time is tabulated. The origin
+#: of the number is not recorded.
+COARSE_TARGET = 1e-3
+#: Relative error, as of a reference for other methods, whose run time is tabulated. The origin of
+#: the number is not recorded.
+FINE_TARGET = 1e-8
+#: Seconds of the first call from which on work is repeated once. The origin is not recorded.
 LONG_WORK = 1.0
-#: Characters of a note that are kept.
+#: Characters of a note that are kept. Chosen: a note is a cell of a table.
 MAX_NOTE = 200
 
 
@@ -194,8 +202,9 @@ def describe_machine() -> Row:
 
 
 # -- tables ----------------------------------------------------------------------------------------
-# Columns of the table of all rows, beside those that no table shows.
+#: Columns of the table of all rows that hold text.
 TEXTS = ["section", "problem", "method", "setting", "status", "note", "threads"]
+#: Columns of the table of all rows that hold numbers: times in s, errors relative.
 NUMBERS = ["value", "seconds", "error", "asked"]
 
 
@@ -248,7 +257,7 @@ class BenchReport:
         least_error = frame.groupby(variant, sort=False)["error"].idxmin()
         table = frame.loc[least_error].set_index(variant)[["error", "seconds"]]
         table = table.set_axis(["least error", "time to it"], axis=1)
-        for target in TARGETS:
+        for target in (COARSE_TARGET, FINE_TARGET):
             reached = frame[frame["error"] <= target].groupby(variant)["seconds"].min()
             table[f"time to {target:.0e}"] = reached.reindex(table.index, fill_value=math.inf)
         table = table.groupby(question, sort=False).median()

@@ -27,31 +27,35 @@ from particles import (
 
 FloatArray = NDArray[np.float64]
 
+#: Section of the rows that hold run time against error.
 PRECISION = "precision"
+#: Section of the rows of particles, and the case that makes them.
 PARTICLES = "particles"
+#: Name of this package's own method in the tables.
 SPECTRAL = "spectral"
+#: What `--case` may choose; `cli.bench` repeats them, as this module is slow to import.
 CASES = ("scaled", "cooling", "position", "field", "driven", PARTICLES)
 #: Scatterers per d^2, of the paper: l is `references.MEAN_FREE_PATH`.
 DENSITY = 0.04
 #: Restitution of a quick benchmark, one of the paper's.
 RESTITUTION = 0.7
-#: Relative tolerances that are asked for.
+#: Relative tolerances that are asked for. Chosen: one in each decade.
 TOLERANCES = tuple(10.0**-digits for digits in range(2, 13))
-#: c at which F(c) is compared, and R at which G(R) is.
+#: c at which F(c) is compared. The origin of range and number is not recorded.
 SPEEDS = np.linspace(0.1, 4.0, 391)
-#: R at which G(R) is compared.
+#: R at which G(R) is compared. The origin of range and number is not recorded.
 RADII = np.linspace(0.0, 6.0, 200)
 #: Restitution of G(R), one of the paper's.
 POSITION_RESTITUTION = 0.6
 #: Time in d/U at which G(R) is compared, the paper's for this restitution.
 POSITION_TIME = 300.0
-#: Restitution of the particles.
+#: Restitution of the particles, one of the paper's.
 PARTICLE_RESTITUTION = 0.9
-#: Scatterers per d^3: l = 10 d.
+#: Scatterers per d^3. Derived: l = 1/(pi n d^2) is 10 d, near the 12.5 d of the plane.
 SPACE_DENSITY = 0.1 / math.pi
-#: Scatterers in a box.
+#: Scatterers in a box. The origin of the number is not recorded.
 COUNT = 10_000
-#: Configurations of a run.
+#: Configurations of a run. The origin of the number is not recorded.
 MEDIA = 4
 
 
@@ -75,7 +79,9 @@ class Effort:
     tracers: int = 300
 
 
+#: Effort of `--quick`, about a minute in all.
 QUICK = Effort()
+#: Effort of the whole benchmark, about ten minutes in all.
 FULL = Effort(
     quick=False,
     min_repeats=10,
@@ -301,10 +307,11 @@ def works(case: str, effort: Effort) -> Iterator[Work]:
 
 
 # -- particles -------------------------------------------------------------------------------------
-#: A run of one collision, whose time is that of placing the scatterers, and a long one.
+#: Method of the row of a run of one collision, whose time is that of placing the scatterers.
 PLACING = "placing"
+#: Method of the row of a long run.
 RUN = "run"
-#: Collisions of each tracer of the long run.
+#: Collisions of each tracer of the long run. The origin of the number is not recorded.
 COLLISIONS_OF_RUN = 500
 
 

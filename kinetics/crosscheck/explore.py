@@ -40,10 +40,15 @@ DILUTE = "dilute"
 HARD = "hard disks"
 #: Unit of the coefficients, which the page has as whole numbers.
 UNIT = 1e-6
-#: Times in l/U. Before the first, v0 and <r^2> are the factors; after the last nothing is drawn.
-TIMES = (1e-3, 1e6)
-#: Densities n of hard disks: up to where their theory was compared with simulations.
-DENSITIES = (0.005, 0.1)
+#: First time of the tables, in l/U: before it v0 and <r^2> are the factors alone. The origin of the
+#: number is not recorded.
+FIRST_TIME = 1e-3
+#: Last time of the tables, in l/U: after it nothing is drawn. The origin is not recorded.
+LAST_TIME = 1e6
+#: Lowest density n of hard disks. The origin of the number is not recorded.
+LOWEST_DENSITY = 0.005
+#: Highest density n of hard disks: up to it their theory was compared with simulations.
+HIGHEST_DENSITY = 0.1
 #: e above which no steady state is kept: elastic tracers, driven by anything here, have none.
 HIGHEST_DRIVEN = 0.99
 #: e below which the constants of the theory of hard disks are held.
@@ -262,9 +267,9 @@ def all_tables(tell: Callable[[str], None] = ignore_progress) -> Tables:
 
     tell : called with what is begun
     """
-    log_time = Variable(math.log(TIMES[0]), math.log(TIMES[1]), NODES_IN_TIME)
-    lowest_root = math.sqrt(DENSITIES[0])
-    highest_root = math.sqrt(DENSITIES[1])
+    log_time = Variable(math.log(FIRST_TIME), math.log(LAST_TIME), NODES_IN_TIME)
+    lowest_root = math.sqrt(LOWEST_DENSITY)
+    highest_root = math.sqrt(HIGHEST_DENSITY)
     root_density = Variable(lowest_root, highest_root, NODES_IN_ROOT_DENSITY)
     root_density_of_vdf = Variable(lowest_root, highest_root, NODES_IN_ROOT_DENSITY_OF_VDF)
     log_speed = Variable(*WIDTHS[DILUTE], NODES_IN_SPEED)
@@ -386,12 +391,13 @@ def render(tables: Tables, tracers: int = 200) -> str:
     from markupsafe import Markup
 
     speeds, weights = starts()
+    densities = (LOWEST_DENSITY, HIGHEST_DENSITY)
     data: dict[str, Any] = {
         "tables": {name: table.as_json() for name, table in tables.items()},
         "speeds": speeds,
         "weights": weights,
         "widths": WIDTHS,
-        "densities": DENSITIES,
+        "densities": densities,
         "highestDriven": HIGHEST_DRIVEN,
         "powers": POWERS,
         "unit": UNIT,
@@ -402,5 +408,5 @@ def render(tables: Tables, tracers: int = 200) -> str:
         data=Markup(text),
         version=__version__,
         tracers=tracers,
-        densities=DENSITIES,
+        densities=densities,
     )

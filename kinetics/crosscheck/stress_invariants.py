@@ -13,23 +13,25 @@ from particles import Ensemble
 
 FloatArray = NDArray[np.float64]
 
-#: Logarithms of v/v0 over which the mass of a density of speeds is summed. The
-#: origin of range and number is not recorded.
+#: Logarithms of v/v0 over which the mass of a density of speeds is summed. The origin of range and
+#: number is not recorded.
 LOG_SPEEDS = np.linspace(math.log(1e-12), math.log(1e3), 30_001)
-#: Thermal speed in U above which v^2 and f(v) are well inside the range of doubles.
+#: Thermal speed in U above which v^2 and f(v) can be checked. Derived: 1/v0^2 and v0^2 stay well
+#: inside the range of doubles, 1e-308 to 1e308.
 MIN_THERMAL_SPEED = 1e-140
-#: Thermal speed in U below which they are.
+#: Thermal speed in U below which v^2 and f(v) can be checked, for the same reason.
 MAX_THERMAL_SPEED = 1e140
 #: Edges of the panels in R over which moments of G(R) are summed. The origin is not recorded.
 RADIUS_EDGES = np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)])
-#: Gauss nodes in each of them. The origin is not recorded.
+#: Gauss nodes in each of these panels. The origin of the number is not recorded.
 NODES_PER_PANEL = 12
 #: Wave numbers in 1/d at which |F| <= 1 is looked at. Chosen: none, tiny, and usual ones.
 WAVE_NUMBERS = [0.0, 1e-300, 1e-3, 0.1, 2.0]
 #: Errors of an answer that an invariant may be violated by, beside rounding: the answer's own,
 #: doubled for a difference and doubled again. The origin is not recorded.
 SLACK_FACTOR = 4.0
-#: Error of rounding that is allowed beside. The origin is not recorded.
+#: Relative error of rounding by which an invariant may be violated, beside. The origin is not
+#: recorded.
 ROUNDING = 1e-12
 
 

@@ -23,15 +23,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
 
-#: Columns of axes in a figure of all quantities, and the size of each of the axes in inches.
+#: Columns of axes in a figure of all quantities at most. The origin is not recorded.
 MAX_COLUMNS = 3
+#: Width of each of the axes in inches. The origin of the number is not recorded.
 AXES_WIDTH = 4.6
+#: Height of each of the axes in inches. The origin of the number is not recorded.
 AXES_HEIGHT = 3.4
 #: So many times (or angles), at most, have a curve of their own: more cannot be told apart.
 MAX_CURVES = 8
-#: Densities are drawn over this many times their maximum, down to this fraction of it: their tails
-#: are of interest.
+#: Top of the axis of densities over their maximum. Chosen: room above the curve.
 DENSITY_TOP = 3.0
+#: Bottom of the axis of densities over their maximum. Chosen: low enough to show their tails.
 DENSITY_BOTTOM = 1e-7
 #: Opacity of the band of the model error: the curve stays visible.
 BAND_ALPHA = 0.25
@@ -136,9 +138,15 @@ def draw_all(
 
     Quantities that are zero, or depend on no or more than two coordinates, are left out.
     """
-    arrays = {str(array.name): array for array in quantities}
-    errors = {name: array for name, array in arrays.items() if name.endswith(MODEL_ERROR)}
-    groups = _group_complex(array for name, array in arrays.items() if name not in errors)
+    errors: dict[str, xarray.DataArray] = {}
+    values: list[xarray.DataArray] = []
+    for array in quantities:
+        name = str(array.name)
+        if name.endswith(MODEL_ERROR):
+            errors[name] = array
+        else:
+            values.append(array)
+    groups = _group_complex(values)
     axes = axes_of_figure(len(groups), system)
     for ax, (name, components) in zip(axes, groups.items(), strict=True):
         draw(name, components, ax, (), bottom, errors.get(name + MODEL_ERROR))
@@ -172,8 +180,12 @@ def source_on(ax: Axes, source: str, system: Sequence[str]) -> str:
 
 def n_curves_of(ax: Axes, source: str) -> int:
     """Return how many curves on these axes are of a source: the next has the colour after them."""
-    labels = [str(line.get_label()) for line in ax.lines]
-    return sum(label.startswith(source) and "imaginary" not in label for label in labels)
+    count = 0
+    for line in ax.lines:
+        label = str(line.get_label())
+        if label.startswith(source) and "imaginary" not in label:
+            count += 1
+    return count
 
 
 def add_legend(ax: Axes) -> None:
@@ -191,7 +203,7 @@ def add_legend(ax: Axes) -> None:
         ax.legend(loc="best", fontsize="small", frameon=False)
         return
     assert figure is not None
-    is_short = max(len(label) for label in labels) <= MAX_CHARACTERS_IN_COLUMN
+    is_short = max(map(len, labels)) <= MAX_CHARACTERS_IN_COLUMN
     downwards = ScaledTranslation(0.0, -LEGEND_BELOW / 72.0, figure.dpi_scale_trans)
     ax.legend(
         loc="upper center",
@@ -267,11 +279,12 @@ def _curves(quantity: xarray.DataArray) -> dict[str, ArrayLike]:
     """
     dimensions = free_dimensions(quantity)
     if len(dimensions) == 1:
-        has_components = any(name in COMPONENTS for name in quantity.dims)
+        if set(quantity.dims).isdisjoint(COMPONENTS):
+            return {"": quantity}
         of_components: dict[str, ArrayLike] = {}
         for name, curve in split_components(quantity).items():
             letters = name.removeprefix(f"{quantity.name}_")
-            of_components[letters if has_components else ""] = curve
+            of_components[letters] = curve
         return of_components
     parameter = quantity[dimensions[0]]
     if parameter.size == 1 and dimensions[0] == "angle":  # isotropic

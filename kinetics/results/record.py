@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, Protocol, Self, TypeVar, runtime_checkable
 
@@ -57,14 +57,17 @@ def to_json(value: object) -> Json:
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, list | tuple):
-        return [to_json(item) for item in value]
+        return _items_of_list(value, to_json)
     if isinstance(value, Mapping):
-        return {str(key): to_json(item) for key, item in value.items()}
+        return _items_of_mapping(value, to_json)
     _check_storable(value)
     if isinstance(value, enum.Enum):
         return {"class": type(value).__name__, "name": value.name}
-    stored = value._to_storage() if isinstance(value, HasParts) else initial_fields(value)
-    return _tagged(value, {name: to_json(item) for name, item in stored.items()})
+    if isinstance(value, HasParts):
+        stored = value._to_storage()
+    else:
+        stored = initial_fields(value)
+    return _tagged(value, _items_of_mapping(stored, to_json))
 
 
 def describe(value: object) -> Json:
@@ -76,17 +79,26 @@ def describe(value: object) -> Json:
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, list | tuple):
-        return [describe(item) for item in value]
+        return _items_of_list(value, describe)
     if isinstance(value, Mapping):
-        return {str(key): describe(item) for key, item in value.items()}
+        return _items_of_mapping(value, describe)
     if isinstance(value, enum.Enum):
         return {"class": type(value).__name__, "name": value.name}
     if not is_dataclass(value) or isinstance(value, type):
         return str(getattr(value, "__qualname__", type(value).__name__))
-    described = {}
-    for name, item in initial_fields(value).items():
-        described[name] = describe(item)
-    return _tagged(value, described)
+    return _tagged(value, _items_of_mapping(initial_fields(value), describe))
+
+
+def _items_of_list(values: Sequence[object], convert: Callable[[object], Json]) -> list[Json]:
+    """Return each item of a sequence as plain JSON types."""
+    return [convert(item) for item in values]
+
+
+def _items_of_mapping(
+    values: Mapping[Any, object], convert: Callable[[object], Json]
+) -> dict[str, Json]:
+    """Return each item of a mapping as plain JSON types, by its key as a text."""
+    return {str(key): convert(item) for key, item in values.items()}
 
 
 def initial_fields(value: object) -> dict[str, object]:

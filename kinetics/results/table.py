@@ -37,15 +37,19 @@ class Table:
 
 def html_of(table: Table) -> str:
     """Return a table as HTML, with all of its text escaped."""
-    heads = "".join(f"<th>{escape(head)}</th>" for head in table.heads)
-    rows = []
+    heads = _elements("th", table.heads)
+    rows = ""
     for row in table.rows:
-        first, *others = (escape(cell) for cell in row)
-        cells = "".join(f"<td>{cell}</td>" for cell in others)
-        rows.append(f'<tr><th style="text-align:left">{first}</th>{cells}</tr>')
-    lines = "".join(f"<div>{escape(line)}</div>" for line in table.lines)
-    body = f"<table><thead><tr>{heads}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
-    return f"<div><b>{escape(table.title)}</b>{body}{lines}</div>"
+        head, *cells = row
+        head_cell = f'<th style="text-align:left">{escape(head)}</th>'
+        rows += f"<tr>{head_cell}{_elements('td', cells)}</tr>"
+    body = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+    return f"<div><b>{escape(table.title)}</b>{body}{_elements('div', table.lines)}</div>"
+
+
+def _elements(tag: str, texts: Sequence[str]) -> str:
+    """Return an element of HTML for each text, which is escaped."""
+    return "".join(f"<{tag}>{escape(text)}</{tag}>" for text in texts)
 
 
 def number_text(value: float, error: float | None = None) -> str:

@@ -52,8 +52,10 @@ def contents(value: object) -> Hashable:
     if isinstance(value, tuple | list):
         return tuple(contents(item) for item in value)
     if is_dataclass(value) and not isinstance(value, type):
-        compared = [getattr(value, field.name) for field in fields(value) if field.compare]
-        return type(value), *(contents(item) for item in compared)
+        compared = [
+            contents(getattr(value, field.name)) for field in fields(value) if field.compare
+        ]
+        return type(value), *compared
     if isinstance(value, float) and np.isnan(value):
         return "NaN"
     return value
@@ -123,7 +125,7 @@ def _is_worth_showing(field: Field[object], item: object) -> bool:
 def _short_text(item: object) -> str:
     """Return the text of a field: of an array its size and range, of a function its name."""
     if isinstance(item, np.ndarray):
-        size = " x ".join(str(length) for length in item.shape)
+        size = " x ".join(map(str, item.shape))
         if item.size == 1:
             return f"<1 number, {item.flat[0]:.6g}>"
         return f"<{size} numbers, {item.min():.6g} to {item.max():.6g}>"

@@ -23,13 +23,14 @@ from particles.events import MOST_STEPS
 #: r^2 below which artanh(r)/r is taken from nine terms of its series. Derived: the term left out is
 #: 0.03^9 / 19 = 1e-15 at most, in a sum of 1 and more terms; measured to 1e-16 of the length.
 SERIES_BELOW = 0.03
-#: Rounding of a time, in proportion: a Halley step of h leaves an error of about (g h / s)^2 h, and
-#: iteration ends where that is smaller.
+#: Rounding of a time, in proportion: about that of a double, 1.1e-16. A Halley step of h leaves an
+#: error of about (g h / s)^2 h, and iteration ends where that is smaller.
 ROUNDING = 1e-16
 #: A Halley step that is smaller than this, in proportion to the time, is rounding. The origin of
 #: the factor is not recorded.
 SMALLEST_STEP = 4.0 * ROUNDING
-#: Halley steps for many tracers at once. The origin of the number is not recorded.
+#: Halley steps that are made for many tracers at once; those that have not converged by then are
+#: solved one by one. The origin of the number is not recorded.
 STEPS_AT_ONCE = 3
 #: For many tracers at once: y^2 below which seventeen terms of the series give artanh(y), where
 #: artanh(r) = 8 artanh(y), with y of three halvings, to 1e-16.

@@ -44,7 +44,7 @@ class RandomParabolaTracer(VelocityTracer, RandomTracer):
     """A tracer on parabolas of random lengths; its velocity is that where the flight began."""
 
 
-#: The record of a lane.
+#: Data type of a lane: the `RandomParabolaTracer` that a kernel moves beside others.
 LANE = record_type(RandomParabolaTracer)
 
 

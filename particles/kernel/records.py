@@ -15,11 +15,13 @@ from particles.events import NEVER
 from particles.kernel.straight_flight import SHIFT, StraightTracer
 from particles.kernel.tracer import Tracer, VelocityTracer, record_type
 
-#: Logarithm of the factor between two units of slowness and time of a tracer.
+#: Logarithm of `SHIFT`, the factor between two units of slowness and time of a tracer: by it ln(v)
+#: and ln(t) differ for each change of unit.
 LN_SHIFT = log(SHIFT)
-#: The same to base 2.
+#: Logarithm of `SHIFT` to base 2, as the bins of histograms are even in log2.
 LOG2_SHIFT = log2(SHIFT)
-#: States that the queue has room for. The origin of the number is not recorded.
+#: States that the queue has room for: when it is full they are entered in the sums. The origin of
+#: the number is not recorded.
 QUEUE = 1024
 #: Index into `Records.filled`: states that wait in the queue.
 WAITING = 0
@@ -45,7 +47,7 @@ class OutputState:
     start_vz: float
 
 
-#: The record of a state that waits in the queue.
+#: Data type of the rows of the queue: one `OutputState` each.
 OUTPUT = record_type(OutputState)
 
 

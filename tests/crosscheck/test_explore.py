@@ -70,7 +70,7 @@ def test_what_is_read_is_what_the_solver_finds(made: explore.Tables) -> None:
         read = read_averages(made, e, None, np.array([t * 0.08])) * [[1.0], [12.5**2]]
         assert read == pytest.approx(averages(e, t), rel=2e-4), (e, t)
     times = np.geomspace(0.1, 1e5, 8)
-    for e, n in RNG.uniform((0.0, explore.DENSITIES[0]), (1.0, explore.DENSITIES[1]), (8, 2)):
+    for e, n in RNG.uniform((0.0, explore.LOWEST_DENSITY), (1.0, explore.HIGHEST_DENSITY), (8, 2)):
         read = read_averages(made, e, n, 2 * n * times) * [[1.0], [(2 * n) ** -2]]
         assert read == pytest.approx(averages(e, times, n, "hard disks"), rel=3e-4), (e, n)
     for e in (0.01, 0.37, 0.8, 0.98):

@@ -6,7 +6,6 @@ looked for, and where one of them is another medium, that is shown.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -106,23 +105,19 @@ def _across_media(best: JudgedFit, not_excluded: Sequence[JudgedFit]) -> Fit:
     """Return the best fit with the values and errors that hold in all media not excluded."""
     if not not_excluded:
         return best.fitted
-    fits = [best.fitted, *(other.fitted for other in not_excluded)]
-    middle, covariance = across_media(
-        [fitted.coordinates for fitted in fits], [fitted.covariance for fitted in fits]
-    )
-    values = {
-        parameter.name: math.exp(coordinate) if parameter.is_logarithm else coordinate
-        for parameter, coordinate in zip(best.fitted.free, middle.tolist(), strict=True)
-    }
-    point = best.fitted.point.with_values(**values)
+    others = [judged.fitted for judged in not_excluded]
+    point, _, covariance = across_media(best.fitted, others)
     return replace(best.fitted, point=point, covariance=covariance)
 
 
 def _not_excluded(judged: Sequence[JudgedFit], best: JudgedFit) -> list[JudgedFit]:
     """Return the fits in other media that the data do not exclude."""
     limit = best.fitted.criterion + NEAR_BEST
-    others = [fit for fit in judged if fit.medium != best.medium]
-    return [fit for fit in others if fit.fitted.criterion <= limit]
+    not_excluded = []
+    for fit in judged:
+        if fit.medium != best.medium and fit.fitted.criterion <= limit:
+            not_excluded.append(fit)
+    return not_excluded
 
 
 def _explained(

@@ -57,12 +57,16 @@ from kinetics.validation import (
     refuse,
 )
 
-#: The root mean square displacement at the end over the mean free path from which a fit begins, as
-#: a logarithm. It is 3 for the mean free path of tracers with velocities.
-FOLDS_OF_PATH = (-2.0, -1.0, 0.0)
-#: The same of positions alone, of which l and U are fitted together.
-FOLDS_OF_PATH_ALONE = (-2.5, -1.0)
-#: Groups that there must be for each fitted number, and beside.
+#: Logarithms of the mean free paths over the root mean square displacement at the end from which a
+#: fit begins. The origin of the range is not recorded.
+FOLDS_OF_PATH = range(-2, 1)
+#: The shortest of these mean free paths, as a logarithm, where there are positions alone, so that l
+#: and U are fitted together. The origin of the number is not recorded.
+SHORT_PATH_ALONE = -2.5
+#: The longest of these mean free paths, as a logarithm, where there are positions alone. The origin
+#: of the number is not recorded.
+LONG_PATH_ALONE = -1.0
+#: Groups that there must be beyond one for each fitted number. The origin is not recorded.
 GROUPS_BESIDE = 3
 #: Times without missing tracers that a fit needs to leave the other times out.
 MIN_COMPLETE_TIMES = 3
@@ -410,15 +414,14 @@ class Question:
                 "speed_unit and localisation_error must be given"
             )
         point = _first_point(sample, specified, start)
-        is_specified = not {"restitution", "path"} & set(free)
-        point_with_theory = point if is_specified else None
-        media = media_of(sample, scatterers, point_with_theory)
-        told = sample.told.get("scatterers")
-        if scatterers == "auto" and told is not None:
+        path = specified["path"]
+        media = media_of(scatterers, law, path, restitution, sample.free)
+        stated = sample.told.get("scatterers")
+        if scatterers == "auto" and stated is not None:
             # Of disks of another size than the tracer, or denser ones, there is no other theory.
             media = ["dilute"]
-            if told in media_of(sample, "every", point_with_theory):
-                media = [told]
+            if stated in media_of("every", law, path, restitution, sample.free):
+                media = [stated]
         rows = sample.at_times(row_times(sample))
         return cls(rows, point, free, media)
 
@@ -530,7 +533,9 @@ def _starts(question: Question, measured: Measured) -> Sequence[Sequence[float]]
     """
     point = question.point
     size = _size(question.sample)
-    folds = FOLDS_OF_PATH if measured.has_velocities else FOLDS_OF_PATH_ALONE
+    folds: Sequence[float] = FOLDS_OF_PATH
+    if not measured.has_velocities:
+        folds = (SHORT_PATH_ALONE, LONG_PATH_ALONE)
     values = {
         "restitution": FIRST_RESTITUTIONS,
         "path": [size * math.exp(fold) for fold in folds],

@@ -30,23 +30,24 @@ from kinetics.crosscheck.words import Verdict, limit_factor, number, numeral
 #: -2 ln likelihood from the best up to which another explains as well: odds of 20. Why 20 is not
 #: recorded.
 NEAR_BEST = 6.0
-#: A cause explains in part if T^2 falls by this: 4 sigma of one number.
+#: A cause explains in part only if T^2 falls by this. Derived: 4 sigma of one number, squared.
 MIN_GAIN = 16.0
-#: It must fall by this share, too. Chosen: less is no explanation of a large difference.
+#: A cause explains in part only if T^2 falls by this share of itself, too. Chosen: less is no
+#: explanation of a large difference.
 MIN_GAIN_SHARE = 0.1
-#: Share of the errors of a fitted value that must lie nearer to it than what was specified: 3 sigma
-#: of a Gaussian.
+#: Share of the errors of a fitted value that must lie nearer to it than what was specified.
+#: Derived: the share of a Gaussian within 3 sigma.
 CLEARLY = 0.9973
 #: Largest share of tracers at rest that explains anything: a fit that runs beyond, to its limit of
 #: 0.9 (`parameters.LIMITS`), has failed. The origin of the number is not recorded.
 MAX_AT_REST = 0.85
-#: The sums whose axes may have been exchanged.
+#: What may have been exchanged between two axes -> columns of the sums along one axis.
 EXCHANGED_SUMS = {
     "positions": (X, X2),
     "velocities": (VX,),
     "positions and velocities": (VX, X, X2),
 }
-#: Names of the axes.
+#: Names of the axes, in the order of the sums.
 AXES = "xyz"
 
 
@@ -181,8 +182,9 @@ def _variants(
     if measured.layout.law.field:
         return  # other causes take the solver long in a field
     if cause.name == "finite density":
-        every = media_of(measured.sample, "every", point)
-        media = [medium for medium in every if medium not in media]
+        sample = measured.sample
+        all_media = media_of("every", sample.law, point.path, point.restitution, sample.free)
+        media = [medium for medium in all_media if medium not in media]
     if cause.name == "speed unit" and point.has_own_start:
         return
     points = [point]

@@ -38,8 +38,9 @@ from kinetics.crosscheck.compare.theory import Theory
 from kinetics.crosscheck.data.averages import AveragesTable
 from kinetics.crosscheck.data.sample import Law
 
-#: Logarithms of the largest distance over the mean free path from which a fit begins.
-FIRST_FOLDS = (0.0, 1.0, 2.0, 3.0)
+#: Logarithms of the largest distance over the mean free path from which a fit begins. The origin of
+#: the range is not recorded.
+FIRST_FOLDS = range(4)
 #: Relative error of averages without any, from which a fit begins: only its size, which the
 #: scatter tells, is unknown.
 UNKNOWN_ERROR = 0.01

@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION, word_for_scatterers
+from kinetics.collision.medium import word_for_scatterers
 from kinetics.crosscheck.compare.causes import NEAR_BEST
 from kinetics.crosscheck.compare.curve_fit import CurveFit, Curves, fit_in_media
 from kinetics.crosscheck.compare.flat_directions import cannot_tell, unknown_numbers
-from kinetics.crosscheck.compare.media import across_media
+from kinetics.crosscheck.compare.media import across_media, media_of
 from kinetics.crosscheck.compare.observables import MEAN_SPEED, OBSERVABLES
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.result import Comparison, ComparisonTest, Parameter, Row
@@ -74,16 +74,19 @@ def compare_averages(
     free = ["restitution", "path"]
     if restitution is not None:
         free.remove("restitution")
-        point = point.with_values(restitution=check_restitution(restitution))
+        restitution = check_restitution(restitution)
+        point = point.with_values(restitution=restitution)
+    path = None
     if number_density is not None:
         free.remove("path")
-        point = point.with_values(path=law.free_path(number_density))
+        path = law.free_path(number_density)
+        point = point.with_values(path=path)
     if curves.size < len(free) + 1:
         averages = f"{curves.size} averages after time 0"
         if table.has_errors:
             averages += " with errors"
         refuse_data(table.source, averages, f"{len(free) + 1} at least")
-    media = _media(scatterers, point, free, law)
+    media = media_of(scatterers, law, path, restitution)
     curves, fits = fit_in_media(curves, point, free, media)
     if not fits:
         raise InputError(
@@ -116,20 +119,6 @@ def _largest_distance(curves: Curves) -> float:
     if squares.size and squares.max() > 0.0:
         return math.sqrt(float(squares.max()))
     return float(curves.time.max(initial=1.0))
-
-
-def _media(scatterers: str, point: Point, free: Sequence[str], law: Law) -> list[str]:
-    """Return the media that are tried."""
-    if scatterers != "auto":
-        return [scatterers]
-    has_theory = law.dimension == 2
-    if "path" not in free:
-        has_theory &= law.free_path(point.path) <= HIGHEST_DENSITY
-    if "restitution" not in free:
-        has_theory &= point.restitution >= LEAST_RESTITUTION
-    if not has_theory:
-        return ["dilute"]
-    return ["dilute", "hard disks"]
 
 
 # -- the comparison --------------------------------------------------------------------------------
@@ -208,15 +197,8 @@ def _across_media(best: CurveFit, not_excluded: Sequence[CurveFit]) -> CurveFit:
     """Return the best fit with the values and errors that hold in all media not excluded."""
     if not not_excluded:
         return best
-    fits = [best, *not_excluded]
-    middle, covariance = across_media(
-        [fitted.coordinates for fitted in fits], [fitted.covariance for fitted in fits]
-    )
-    values = dict(zip(best.names, middle.tolist(), strict=True))
-    if "path" in values:
-        values["path"] = math.exp(values["path"])
-    point = best.point.with_values(**values)
-    return replace(best, point=point, coordinates=middle, covariance=covariance)
+    point, coordinates, covariance = across_media(best, not_excluded)
+    return replace(best, point=point, coordinates=coordinates, covariance=covariance)
 
 
 def _parameters(fitted: CurveFit, verdict: Verdict, dimension: int) -> dict[str, Parameter]:

@@ -17,7 +17,7 @@ from kinetics.crosscheck.compare.statistics import (
     whitening,
 )
 from kinetics.crosscheck.compare.theory import solve_at
-from kinetics.crosscheck.data.sample import EDGES, Counts, Sample
+from kinetics.crosscheck.data.sample import EDGES, Binned, Sample
 from kinetics.errors import InputError, SolverStatus
 from kinetics.numerics.gauss import panels_between
 from kinetics.solution import Solution
@@ -124,7 +124,7 @@ def _solved(
     sample: Sample,
     point: Point,
     name: str,
-    counted: tuple[Array, Counts],
+    counted: Binned,
     times: Array,
     rtol: float,
 ) -> list[Histogram]:
@@ -149,7 +149,7 @@ def _histogram(
     sample: Sample,
     point: Point,
     name: str,
-    counted: tuple[Array, Counts],
+    counted: Binned,
     solution: Solution,
     index: int,
     time: float,

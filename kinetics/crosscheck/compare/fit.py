@@ -486,9 +486,13 @@ def _scales(free: Sequence[FreeParameter]) -> Array:
 def _same_components(part: Measured, whole: Measured, indices: Indices) -> Indices:
     """Return where components of some times of a sample are among those of all its times."""
     layout = whole.layout
-    place = {_name_of_component(layout, index): index for index in range(layout.size)}
-    chosen = [place[_name_of_component(part.layout, index)] for index in indices.tolist()]
-    return np.array(chosen, np.int64)
+    index_of_name: dict[tuple[str, float, float], int] = {}
+    for index in range(layout.size):
+        index_of_name[_name_of_component(layout, index)] = index
+    indices_in_whole = []
+    for index in indices.tolist():
+        indices_in_whole.append(index_of_name[_name_of_component(part.layout, index)])
+    return np.array(indices_in_whole, np.int64)
 
 
 def _name_of_component(layout: Layout, index: int) -> tuple[str, float, float]:

@@ -214,11 +214,12 @@ def _verdict_without_scatter(residuals: Residuals, index: int, size: float) -> V
 
 def rows_of_densities(histograms: Sequence[Histogram]) -> list[Row]:
     """Return one row for each bin: shares over the width of the bin, of the last bin shares."""
+    n_looks: dict[str, int] = {}
+    for histogram in histograms:
+        n_looks[histogram.name] = n_looks.get(histogram.name, 0) + histogram.share.size
     rows = []
     for histogram in histograms:
-        of_name = [other for other in histograms if other.name == histogram.name]
-        n_looks = sum(other.share.size for other in of_name)
-        rows += _rows_of_histogram(histogram, n_looks)
+        rows += _rows_of_histogram(histogram, n_looks[histogram.name])
     return rows
 
 

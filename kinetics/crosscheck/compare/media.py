@@ -2,47 +2,76 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
 from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
 from kinetics.crosscheck.compare.observables import Array
+from kinetics.crosscheck.compare.parameters import LIMITS
 from kinetics.crosscheck.compare.point import Point
-from kinetics.crosscheck.data.sample import Sample
+from kinetics.crosscheck.data.sample import Law
 
 #: Every medium of which there is a theory. Overlapping disks, which differ from hard ones by a
 #: twentieth of the density, are not tried unasked.
 MEDIA = ("dilute", "hard disks", "overlapping disks")
 
 
-def media_of(sample: Sample, scatterers: str, point: Point | None = None) -> list[str]:
+def media_of(
+    scatterers: str,
+    law: Law,
+    path: float | None,
+    restitution: float | None,
+    are_dilute: bool = False,
+) -> list[str]:
     """Return the media that the scatterers may be.
 
     Parameters
     ----------
-    sample : the data
     scatterers : one medium; "auto" for dilute scatterers and hard disks, "every" for all
-    point : for which there must be a theory; None where it is fitted
+    law : of the system: there is a theory of dense media for smooth disks alone
+    path : mean free path in d, at which there must be a theory; None where it is fitted
+    restitution : likewise
+    are_dilute : whether tracers are known to meet no scatterer twice
     """
     if scatterers not in ("auto", "every"):
         return [scatterers]
-    if not sample.law.smooth_disks or sample.free or not _has_dense_theory(sample, point):
+    has_theory = law.smooth_disks and not are_dilute
+    if has_theory and path is not None:
+        has_theory = law.free_path(path) <= HIGHEST_DENSITY
+    if has_theory and restitution is not None:
+        has_theory = restitution >= LEAST_RESTITUTION
+    if not has_theory:
         return ["dilute"]
     if scatterers == "every":
         return list(MEDIA)
     return ["dilute", "hard disks"]
 
 
-def _has_dense_theory(sample: Sample, point: Point | None) -> bool:
-    if point is None:
-        return True
-    density = sample.law.free_path(point.path)
-    return density <= HIGHEST_DENSITY and point.restitution >= LEAST_RESTITUTION
+class FitInMedium(Protocol):
+    """A fit in one medium; all media have the same free numbers."""
+
+    @property
+    def point(self) -> Point:
+        """The theory with the fitted numbers."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the fitted numbers."""
+
+    @property
+    def coordinates(self) -> Array:
+        """The fitted numbers, or their logarithms where these are fitted, shape (n_free,)."""
+
+    @property
+    def covariance(self) -> Array:
+        """The covariance of the coordinates, shape (n_free, n_free)."""
 
 
-def across_media(coordinates: Sequence[Array], covariances: Sequence[Array]) -> tuple[Array, Array]:
-    """Return fitted numbers and their covariance that hold in each of several media.
+def across_media(best: FitInMedium, others: Sequence[FitInMedium]) -> tuple[Point, Array, Array]:
+    """Return the best fit's point with numbers that hold in all media, coordinates and covariance.
 
     Data that do not tell media apart favour none: the numbers are the means over the media, and
     their covariance is the mean one with twice the sum of squares of the numbers about these means.
@@ -50,10 +79,18 @@ def across_media(coordinates: Sequence[Array], covariances: Sequence[Array]) -> 
 
     Parameters
     ----------
-    coordinates : in each medium, shape (n_free,)
-    covariances : in each medium, shape (n_free, n_free)
+    best : the likeliest fit
+    others : those in media that the data do not exclude
     """
+    fits = [best, *others]
+    coordinates = np.array([fitted.coordinates for fitted in fits])
     middle = np.mean(coordinates, axis=0)
-    deviations = np.asarray(coordinates) - middle
-    covariance = np.mean(covariances, axis=0) + 2.0 * deviations.T @ deviations
-    return np.asarray(middle), np.asarray(covariance)
+    deviations = coordinates - middle
+    own = np.mean([fitted.covariance for fitted in fits], axis=0)
+    covariance = own + 2.0 * deviations.T @ deviations
+    values: dict[str, float] = {}
+    for name, coordinate in zip(best.names, middle.tolist(), strict=True):
+        values[name] = coordinate
+        if name not in LIMITS:
+            values[name] = math.exp(coordinate)
+    return best.point.with_values(**values), middle, np.asarray(covariance)

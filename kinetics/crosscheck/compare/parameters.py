@@ -24,7 +24,7 @@ LIMITS = {
 }
 #: Folds of e by which a positive number may differ from the one that it begins from.
 MAX_FOLDS = 12.0
-#: Restitutions from which a fit begins.
+#: Restitutions from which a fit begins. Chosen: closer where 1 - e, the rate of cooling, is small.
 FIRST_RESTITUTIONS = (0.3, 0.6, 0.85, 0.97)
 #: Step of a coordinate for derivatives: of a logarithm, or of a number over its scale. An error of
 #: 1e-7 of the solver is then one of 1e-4 of a derivative.

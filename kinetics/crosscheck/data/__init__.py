@@ -2,7 +2,8 @@
 
     file or arrays -> `formats` -> `table` -> `gather` -> `tracks` -> `sample`
 
-- `options`: what a user says about data; `columns`: names of columns, and their units
+- `options`: what a user says about data; `columns`: names of columns, and their units; `arrays`:
+  types of arrays
 - `formats`: which function reads which file: `text_table` (CSV), `containers` (NumPy, MATLAB,
   Parquet, HDF5), `h5md`, `trajectories` (LAMMPS, XYZ, GSD); `frames` unwraps positions, `missing`
   reads masks, `memory` bounds sizes

@@ -9,16 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.arrays import Floats, NamedArrays
 from kinetics.crosscheck.data.columns import AXES, ColumnName, find_columns
 from kinetics.crosscheck.data.missing import without_mask
 from kinetics.crosscheck.data.options import DataOptions, Units, refuse_data
-
-Array = NDArray[np.float64]
 
 #: Output of a Scene -> names of its column, in lower case.
 AVERAGE_NAMES: dict[str, tuple[str, ...]] = {
@@ -58,10 +55,10 @@ class AveragesTable:
     units : "speed", "length" and "time": U, d and d/U in the data's unit, where they were told
     """
 
-    times: Array
+    times: Floats
     names: tuple[str, ...]
-    values: Array
-    errors: Array
+    values: Floats
+    errors: Floats
     source: str
     remarks: tuple[str, ...] = ()
     units: Mapping[str, float] | None = None
@@ -72,7 +69,7 @@ class AveragesTable:
         return bool(np.any(self.errors > 0))
 
 
-def are_averages(names: Iterable[Any], options: DataOptions) -> bool:
+def are_averages(names: Iterable[str], options: DataOptions) -> bool:
     """Return whether columns of these names are averages at times, and not tracks."""
     columns = [ColumnName.of(name) for name in names]
     place_names = {AXES[0], options.columns.get(AXES[0], AXES[0])}
@@ -81,9 +78,7 @@ def are_averages(names: Iterable[Any], options: DataOptions) -> bool:
     return has_averages and not has_places
 
 
-def table_of_averages(
-    where: str, columns: Mapping[Any, Any], options: DataOptions
-) -> AveragesTable:
+def table_of_averages(where: str, columns: NamedArrays, options: DataOptions) -> AveragesTable:
     """Return the averages in columns by the names of a file; InputError if they cannot be used."""
     found = find_columns(where, columns, options.columns, ())
     if "time" not in found and "frame" not in found:
@@ -95,8 +90,8 @@ def table_of_averages(
     _check_times(where, times)
     order = np.argsort(times)
     named = [ColumnName.of(name) for name in columns]
-    values: dict[str, Array] = {}
-    errors: dict[str, Array] = {}
+    values: dict[str, Floats] = {}
+    errors: dict[str, Floats] = {}
     for name, aliases in AVERAGE_NAMES.items():
         column = _column_of(named, aliases)
         if column is None:
@@ -138,7 +133,7 @@ def _names_of_errors(names: Iterable[str]) -> list[str]:
     return of_errors
 
 
-def _numbers(where: str, columns: Mapping[Any, Any], column: ColumnName) -> Array:
+def _numbers(where: str, columns: NamedArrays, column: ColumnName) -> Floats:
     """Return a column of numbers; InputError for what is none."""
     values = without_mask(columns[column.original])
     if values.ndim != 1 or values.dtype.kind not in "iuf":
@@ -146,7 +141,7 @@ def _numbers(where: str, columns: Mapping[Any, Any], column: ColumnName) -> Arra
     return values.astype(float)
 
 
-def _check_times(where: str, times: Array) -> None:
+def _check_times(where: str, times: Floats) -> None:
     """Raise InputError unless each row has a time of its own."""
     if times.size == 0:
         refuse_data(where, "no rows", "one for each time")
@@ -158,7 +153,7 @@ def _check_times(where: str, times: Array) -> None:
         refuse_data(f"{where}: time", "one that is there twice", "one row of averages for each")
 
 
-def _check_values(where: str, name: str, values: Array, errors: Array) -> None:
+def _check_values(where: str, name: str, values: Floats, errors: Floats) -> None:
     """Raise InputError for averages that are infinite, or errors that are negative."""
     is_refused = np.isinf(values) | np.isinf(errors) | (errors < 0)
     if np.any(is_refused):
@@ -177,7 +172,7 @@ def _unit_of(name: str, units: Units) -> float:
     return float(units.length**length_power * units.speed**speed_power)
 
 
-def _use_thermal_speed(values: dict[str, Array], errors: dict[str, Array]) -> None:
+def _use_thermal_speed(values: dict[str, Floats], errors: dict[str, Floats]) -> None:
     """Put v0 = <v^2>^(1/2) in the place of <v^2>, with its error."""
     if "mean_square_speed" not in values:
         return
@@ -190,7 +185,7 @@ def _use_thermal_speed(values: dict[str, Array], errors: dict[str, Array]) -> No
     errors["thermal_speed"] = error_of_square / (2.0 * np.where(speed > 0, speed, np.nan))
 
 
-def _remarks_on(errors: Mapping[str, Array]) -> tuple[str, ...]:
+def _remarks_on(errors: Mapping[str, Floats]) -> tuple[str, ...]:
     """Return what is to be said of averages without standard errors."""
     names_without = [name for name, values in errors.items() if not np.any(values > 0)]
     if not names_without:

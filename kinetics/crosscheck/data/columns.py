@@ -7,13 +7,15 @@ other programs call them; a user may add names (`--columns`).
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import NoReturn
 
 from kinetics.errors import InputError, short, suggestion
 
+#: Columns of places.
 AXES = ("x", "y", "z")
+#: Columns of the components of velocities.
 SPEEDS = ("vx", "vy", "vz")
 #: Columns of labels, whose values may be numbers or texts.
 LABELS = ("tracer", "medium", "type")
@@ -40,28 +42,21 @@ KNOWN_NAMES: dict[str, tuple[str, ...]] = {
 _UNIT = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 
 
-def columns_by_our_names(columns: Any) -> dict[str, str]:
+def present(names: Iterable[str], columns: Container[str]) -> list[str]:
+    """Return those of some names that columns have."""
+    return [name for name in names if name in columns]
+
+
+def columns_by_our_names(columns: object) -> dict[str, str]:
     """Return names of columns by ours, from a mapping or a text such as `time=t_sim,tracer=id`.
 
     InputError for a name that is none of ours, or that is given twice.
     """
-    pairs: list[Any]
-    if columns is None:
-        pairs = []
-    elif isinstance(columns, Mapping):
-        pairs = list(columns.items())
-    elif isinstance(columns, str):
-        pairs = [pair.split("=", 1) for pair in columns.split(",") if pair.strip()]
-    else:
-        pairs = [()]
-    if any(len(pair) < 2 for pair in pairs):
-        allowed = "like time=t,tracer=id, or a dictionary of names"
-        raise InputError(f"columns: got {short(columns)}; must be {allowed}")
-    our_name_of = {ours: ours for ours in KNOWN_NAMES}
+    our_name_of: dict[str, str] = {}
     for ours, others in KNOWN_NAMES.items():
-        our_name_of |= dict.fromkeys(others, ours)
+        our_name_of |= dict.fromkeys((ours, *others), ours)
     columns_of: dict[str, str] = {}
-    for name, theirs in pairs:
+    for name, theirs in _pairs_of_names(columns):
         our_name = our_name_of.get(str(name).strip().lower())
         if our_name is None or our_name in columns_of:
             twice = " twice" if our_name else ""
@@ -71,25 +66,49 @@ def columns_by_our_names(columns: Any) -> dict[str, str]:
     return columns_of
 
 
+def _pairs_of_names(columns: object) -> list[tuple[object, object]]:
+    """Return pairs of our name and theirs, as a user gives them; InputError for anything else."""
+    if columns is None:
+        return []
+    if isinstance(columns, Mapping):
+        return list(columns.items())
+    if not isinstance(columns, str):
+        _refuse_pairs(columns)
+    pairs: list[tuple[object, object]] = []
+    for text in columns.split(","):
+        ours, sign, theirs = text.partition("=")
+        if sign:
+            pairs.append((ours, theirs))
+        elif text.strip():
+            _refuse_pairs(columns)
+    return pairs
+
+
+def _refuse_pairs(columns: object) -> NoReturn:
+    """Raise InputError for names of columns that are no pairs."""
+    allowed = "like time=t,tracer=id, or a dictionary of names"
+    raise InputError(f"columns: got {short(columns)}; must be {allowed}")
+
+
 @dataclass(frozen=True)
 class ColumnName:
     """The name of a column as a file has it, and what it says.
 
     Parameters
     ----------
-    original : as it is in the file
+    original : as it is in the file; a mapping of a user may have a key that is no text
     plain : in lower case, without quotes
     bare : without its unit
     unit : "" where none is said
     """
 
-    original: Any
+    original: str
     plain: str
     bare: str
     unit: str
 
     @classmethod
-    def of(cls, original: Any) -> ColumnName:
+    def of(cls, original: str) -> ColumnName:
         """Take the name of a column apart."""
         plain = str(original).strip(" \t\"'\ufeff").lower()
         unit = _UNIT.search(plain)
@@ -103,7 +122,7 @@ class ColumnName:
 
 
 def find_columns(
-    where: str, names: Iterable[Any], chosen: Mapping[str, str], needed: Iterable[str]
+    where: str, names: Iterable[str], chosen: Mapping[str, str], needed: Iterable[str]
 ) -> dict[str, ColumnName]:
     """Return the columns by our names; InputError where a needed one is missing or is there twice.
 

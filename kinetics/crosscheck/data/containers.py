@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.columns import LABELS, find_columns
+from kinetics.crosscheck.data.arrays import Column, NamedArrays
+from kinetics.crosscheck.data.columns import LABELS, find_columns, present
 from kinetics.crosscheck.data.memory import (
     MAX_COMPRESSION,
     MemoryBudget,
@@ -26,9 +26,16 @@ from kinetics.crosscheck.data.table import (
     table_of_columns,
 )
 
-#: Names of arrays of frames: times (T,), positions and velocities (T, n, d), if there are any.
+if TYPE_CHECKING:
+    import h5py
+    import pyarrow
+    from pyarrow import parquet
+
+#: Name of the array of the times of frames, shape (T,).
 TIMES = "times"
+#: Name of the array of positions, shape (T, n, d).
 POSITIONS = "positions"
+#: Name of the array of velocities, shape (T, n, d), if there are any.
 VELOCITIES = "velocities"
 #: Classes of arrays of MATLAB whose size their shape says.
 MATLAB_NUMBERS = frozenset(
@@ -51,19 +58,19 @@ MATLAB_NUMBERS = frozenset(
 ROWS_AT_ONCE = 100_000
 
 
-def table_of_mapping(where: str, arrays: Mapping[str, Any], options: DataOptions) -> Table:
+def table_of_mapping(where: str, arrays: NamedArrays, options: DataOptions) -> Table:
     """Return the table of columns of one length, or of arrays of frames, by their names."""
     if not {TIMES, POSITIONS} <= set(arrays):
         return table_of_columns(where, arrays, options)
-    labels = {name: arrays[name] for name in LABELS if name in arrays}
+    labels = {name: arrays[name] for name in present(LABELS, arrays)}
     velocities = arrays.get(VELOCITIES)
-    return table_of_arrays(where, options, arrays[TIMES], arrays[POSITIONS], velocities, **labels)
+    return table_of_arrays(where, options, arrays[TIMES], arrays[POSITIONS], velocities, labels)
 
 
 def _names_read(where: str, names: Sequence[str], options: DataOptions) -> list[str]:
     """Return the names of those arrays that are read."""
     if {TIMES, POSITIONS} <= set(names):
-        return [name for name in (TIMES, POSITIONS, VELOCITIES, *LABELS) if name in names]
+        return present((TIMES, POSITIONS, VELOCITIES, *LABELS), names)
     columns = find_columns(where, names, options.columns, needed_columns(options))
     return [column.original for column in columns.values()]
 
@@ -71,7 +78,9 @@ def _names_read(where: str, names: Sequence[str], options: DataOptions) -> list[
 def read_npz(path: Path, where: str, options: DataOptions) -> Table:
     """Read arrays of numbers; Python objects are pickles, which can run code: none is loaded."""
     with zipfile.ZipFile(path) as archive:
-        entries = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
+        entries: dict[str, zipfile.ZipInfo] = {}
+        for entry in archive.infolist():
+            entries[entry.filename.removesuffix(".npy")] = entry
     chosen = _names_read(where, list(entries), options)
     budget = MemoryBudget(where)
     for name in chosen:
@@ -108,22 +117,25 @@ def read_matlab(path: Path, where: str, options: DataOptions) -> Table:
 
     if h5py.is_hdf5(path):
         return _read_matlab_hdf5(path, where, options)
-    shapes = {name: shape for name, shape, _ in whosmat(path)}
-    class_of_array = {name: kind for name, _, kind in whosmat(path)}
-    chosen = _names_read(where, list(shapes), options)
+    bytes_of_array: dict[str, float] = {}
+    for name, shape, kind in whosmat(path):
+        bytes_of_array[name] = bytes_of_numbers(math.prod(shape), 8.0)
+        if kind not in MATLAB_NUMBERS:  # cells and structures hold anything
+            bytes_of_array[name] = MAX_COMPRESSION * path.stat().st_size
+    chosen = _names_read(where, list(bytes_of_array), options)
     budget = MemoryBudget(where)
     for name in chosen:
-        size = bytes_of_numbers(math.prod(shapes[name]), 8.0)
-        if class_of_array[name] not in MATLAB_NUMBERS:  # cells and structures hold anything
-            size = MAX_COMPRESSION * path.stat().st_size
-        budget.take(size)
+        budget.take(bytes_of_array[name])
     arrays = loadmat(path, variable_names=chosen)
     return table_of_mapping(where, {name: _vector(arrays[name]) for name in chosen}, options)
 
 
-def _vector(array: NDArray[Any]) -> NDArray[Any]:
+def _vector(array: Column) -> Column:
     """Return a row or a column of MATLAB, where all arrays are matrices, as a vector."""
-    return array.ravel() if array.ndim == 2 and 1 in array.shape else array
+    is_vector = array.ndim == 2 and 1 in array.shape
+    if is_vector:
+        return array.ravel()
+    return array
 
 
 def _read_matlab_hdf5(path: Path, where: str, options: DataOptions) -> Table:
@@ -133,7 +145,10 @@ def _read_matlab_hdf5(path: Path, where: str, options: DataOptions) -> Table:
     with h5py.File(path, "r") as file:
         chosen = _names_read(where, dataset_names(file), options)
         budget = MemoryBudget(where)
-        arrays = {name: _vector(numbers_of(where, file, name, budget).T) for name in chosen}
+        arrays: dict[str, Column] = {}
+        for name in chosen:
+            transposed = numbers_of(where, file, name, budget)
+            arrays[name] = _vector(transposed.T)
     return table_of_mapping(where, arrays, options)
 
 
@@ -168,7 +183,7 @@ def read_parquet(path: Path, where: str, options: DataOptions) -> Table:
     return table_of_mapping(where, columns, options)
 
 
-def _unpacked_bytes(metadata: Any, names: Sequence[str]) -> float:
+def _unpacked_bytes(metadata: parquet.FileMetaData, names: Sequence[str]) -> float:
     """Return the bytes that columns are said to have before they were compressed."""
     total = 0.0
     for group in range(metadata.num_row_groups):
@@ -180,14 +195,14 @@ def _unpacked_bytes(metadata: Any, names: Sequence[str]) -> float:
     return total
 
 
-def _is_text(kind: Any) -> bool:
+def _is_text(kind: pyarrow.DataType) -> bool:
     """Return whether a type of Arrow is one of texts."""
     import pyarrow
 
     return bool(pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind))
 
 
-def _require_flat(where: str, name: str, kind: Any) -> None:
+def _require_flat(where: str, name: str, kind: pyarrow.DataType) -> None:
     """Raise InputError for a column whose elements are lists or tables: they may be of any size."""
     import pyarrow
 
@@ -198,7 +213,7 @@ def _require_flat(where: str, name: str, kind: Any) -> None:
 # -- HDF5 ------------------------------------------------------------------------------------------
 
 
-def read_hdf5_arrays(file: Any, where: str, options: DataOptions) -> Table:
+def read_hdf5_arrays(file: h5py.File, where: str, options: DataOptions) -> Table:
     """Read the arrays of an open HDF5 file, netCDF-4 among them."""
     chosen = _names_read(where, dataset_names(file), options)
     budget = MemoryBudget(where)
@@ -206,14 +221,14 @@ def read_hdf5_arrays(file: Any, where: str, options: DataOptions) -> Table:
     return table_of_mapping(where, arrays, options)
 
 
-def dataset_names(parent: Any) -> list[str]:
+def dataset_names(parent: h5py.Group) -> list[str]:
     """Return the names of the datasets that lie in a group of the same file."""
     import h5py
 
     return [name for name in parent if isinstance(member_of(parent, name), h5py.Dataset)]
 
 
-def member_of(parent: Any, name: str) -> Any:
+def member_of(parent: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
     """Return a member of a group that lies in the same file; None for other links, or none."""
     import h5py
 
@@ -222,7 +237,17 @@ def member_of(parent: Any, name: str) -> Any:
     return parent[name]
 
 
-def take_dataset(budget: MemoryBudget, where: str, dataset: Any) -> None:
+def dataset_of(parent: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
+    """Return a member of a group, or the `value` of an element of H5MD; None for neither."""
+    import h5py
+
+    member = member_of(parent, name)
+    if isinstance(member, h5py.Group):
+        return member_of(member, "value")
+    return member
+
+
+def take_dataset(budget: MemoryBudget, where: str, dataset: h5py.Dataset) -> None:
     """Take the numbers of a dataset from a budget; InputError if more are declared than stored."""
     count = float(dataset.size or 0)
     require_memory(where, count * dataset.dtype.itemsize, dataset.id.get_storage_size())
@@ -230,8 +255,8 @@ def take_dataset(budget: MemoryBudget, where: str, dataset: Any) -> None:
 
 
 def numbers_of(
-    where: str, parent: Any, name: str, budget: MemoryBudget | None = None
-) -> NDArray[Any]:
+    where: str, parent: h5py.Group, name: str, budget: MemoryBudget | None = None
+) -> Column:
     """Return the numbers of a dataset, or of the `value` of an element of H5MD; or InputError.
 
     What netCDF says is missing is masked. Sizes are checked before memory is asked for, and taken
@@ -239,10 +264,9 @@ def numbers_of(
     """
     import h5py
 
-    member = member_of(parent, name)
-    dataset = member_of(member, "value") if isinstance(member, h5py.Group) else member
+    dataset = dataset_of(parent, name)
     is_here = isinstance(dataset, h5py.Dataset) and not (dataset.is_virtual or dataset.external)
-    if not is_here or dataset.dtype.kind not in "iuf":
+    if dataset is None or not is_here or dataset.dtype.kind not in "iuf":
         refuse_data(f"{where}: {name} value", "something else", "numbers in this file")
     take_dataset(budget or MemoryBudget(where), where, dataset)
     values = dataset[()]
@@ -252,4 +276,6 @@ def numbers_of(
             missing |= values == marker
     if dataset.fillvalue:  # that of HDF5 itself is 0, and netCDF's own is 1e37
         missing |= values == dataset.fillvalue
-    return np.ma.array(values, mask=missing) if np.any(missing) else values
+    if np.any(missing):
+        return np.ma.array(values, mask=missing)
+    return values

@@ -6,8 +6,9 @@ import numpy as np
 
 from kinetics.crosscheck.data.tracks import Tracks
 
-#: Share of the tracers that must be copies to be named, and their least number.
+#: Share of the tracers that must be copies to be named. The origin of the number is not recorded.
 MIN_SHARE = 0.01
+#: Copies that there must be to be named. The origin of the number is not recorded.
 MIN_COPIES = 3
 #: Tracers that are at one place at the last time, over copies, above which numbers are so coarse
 #: that different tracers have the same ones.

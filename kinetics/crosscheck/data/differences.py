@@ -6,16 +6,15 @@ which is slower than the tracer if it collides meanwhile, and has the error of t
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.arrays import lengths_of
 from kinetics.crosscheck.data.options import Units
 from kinetics.crosscheck.data.rounding import resolution_of
 from kinetics.crosscheck.data.tracks import Tracks
 
-Array = NDArray[Any]
+Array = NDArray[np.float64]
 
 #: Rows that are needed where a tracer turns between the frame before and the one after. On a
 #: straight flight the difference is the velocity, and on a parabola in a field the central one is.
@@ -66,8 +65,10 @@ def quotient_of_velocities(
     speed_resolution = resolution_of(velocity * units.speed) / units.speed
     shortest = np.minimum(durations[:-1], durations[1:])[:, :, 0]
     rounding = 2.0 * place_resolution / shortest
-    cosine = np.sum(before * after, axis=2) / np.maximum(_length(before) * _length(after), TINY)
-    is_turn = (cosine < COSINE_OF_TURN) & (_length(after - before) > 4.0 * rounding)
+    cosine = np.sum(before * after, axis=2) / np.maximum(
+        lengths_of(before) * lengths_of(after), TINY
+    )
+    is_turn = (cosine < COSINE_OF_TURN) & (lengths_of(after - before) > 4.0 * rounding)
     if np.count_nonzero(is_turn) < MIN_TURNS:
         return None
     n_frames = np.count_nonzero(np.any(is_turn, axis=1))
@@ -76,8 +77,8 @@ def quotient_of_velocities(
         has_other_unit = abs(unit - 1.0) > SAME_AS_QUOTIENT
         if unit <= 0 or (has_other_unit and n_frames < MIN_FRAMES):
             continue
-        difference = _length(measured - unit * quotient)
-        allowed = SAME_AS_QUOTIENT * _length(measured) + unit * rounding + speed_resolution
+        difference = lengths_of(measured - unit * quotient)
+        allowed = SAME_AS_QUOTIENT * lengths_of(measured) + unit * rounding + speed_resolution
         is_quotient = difference <= allowed
         if np.mean(is_quotient[is_turn]) >= MIN_SHARE_OF_TURNS:
             return name
@@ -92,8 +93,3 @@ def _unit_of(velocity: Array, quotient: Array) -> float:
     if not np.any(is_moving):
         return 1.0
     return float(np.median(along[is_moving] / square[is_moving]))
-
-
-def _length(vectors: Array) -> Array:
-    """Return the lengths of vectors (..., d)."""
-    return np.asarray(np.sqrt(np.sum(vectors**2, axis=-1)))

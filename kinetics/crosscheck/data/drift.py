@@ -6,17 +6,18 @@ directed one dies out. So one that is the same at all times is no part of the th
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.words import limit_factor
 
-Array = NDArray[Any]
+Array = NDArray[np.float64]
 
-#: Times and groups that there must be.
+#: Times at which a mean velocity must be the same. The origin of the number is not recorded.
 MIN_TIMES = 3
+#: Groups from which its standard error is known. The origin of the number is not recorded.
 MIN_GROUPS = 5
 #: Share of all means of data without a drift, in which none is to be found.
 SURE = 1.0 - 1e-7

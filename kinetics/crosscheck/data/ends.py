@@ -8,30 +8,32 @@ little. Begin with `without_biased_ends`.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.arrays import is_there_or_later, lengths_of
 from kinetics.crosscheck.data.tracks import Tracks
 from kinetics.crosscheck.words import numeral
 
-Array = NDArray[Any]
+Array = NDArray[np.float64]
 
-#: Tracks that end, and that do not, from which they are compared.
+#: Tracks that end, and as many that do not, from which they are compared. The origin of the number
+#: is not recorded.
 MIN_TRACKS = 10
-#: Sigmas of Mann and Whitney's test from which the two are different.
+#: Standard errors of Mann and Whitney's test from which the two are different: by chance 1 in 2,000
+#: data sets are. The origin of the number is not recorded.
 DIFFERENT_SIGMAS = 3.5
-#: Share of the tracks that may have ended: of a Gaussian in the plane the
-#: fastest percent has 5.6 % of <v^2>.
+#: Share of the tracks that may have ended, at most. Chosen: of a Gaussian in the plane the fastest
+#: percent has 5.6 % of <v^2>.
 MAX_ENDED = 0.01
 #: Margins of the picture that are tried, over its smaller side: tracks that start further inside
-#: leave later.
+#: leave later. At 0.5 nothing is left. The origin of their number is not recorded.
 MARGINS = np.linspace(0.0, 0.45, 10)
-#: Tracks that must remain. Chosen: of a Gaussian in the plane <v^2> of
-#: fewer has an error above 14 %.
+#: Tracks that must remain. Chosen: of a Gaussian in the plane <v^2> of fewer has an error above
+#: 14 %.
 MIN_REMAINING_TRACKS = 50
-#: Times that must remain: the start, and two more.
+#: Times that must remain. Chosen: the start, and two more to tell a trend.
 MIN_REMAINING_TIMES = 3
 
 
@@ -91,10 +93,10 @@ def without_biased_ends(tracks: Tracks) -> Tracks:
 def _early_motion(tracks: Tracks) -> Array:
     """Return the speed, or the length of the step, at the first frame; NaN if unknown. (n,)."""
     if tracks.velocity is not None:
-        return np.asarray(np.sqrt(np.sum(tracks.velocity[0] ** 2, axis=1)))
+        return lengths_of(tracks.velocity[0])
     if tracks.times.size < 2:
         return np.full(tracks.n_tracers, np.nan)
-    return np.asarray(np.sqrt(np.sum((tracks.place[1] - tracks.place[0]) ** 2, axis=1)))
+    return lengths_of(tracks.place[1] - tracks.place[0])
 
 
 def _last_distance(place: Array, is_there: NDArray[np.bool_]) -> Array:
@@ -102,9 +104,18 @@ def _last_distance(place: Array, is_there: NDArray[np.bool_]) -> Array:
     n_times = len(place)
     last = n_times - 1 - np.argmax(is_there[::-1], axis=0)
     last_place = place[last, np.arange(place.shape[1])]
-    low = np.nanmin(place, axis=(0, 1))
-    high = np.nanmax(place, axis=(0, 1))
-    return np.asarray(np.minimum(last_place - low, high - last_place).min(axis=1))
+    low, high = _picture(place)
+    return _distance_inside(last_place, low, high)
+
+
+def _picture(place: Array) -> tuple[Array, Array]:
+    """Return the lowest and the highest place along each axis, shape (d,) each."""
+    return np.nanmin(place, axis=(0, 1)), np.nanmax(place, axis=(0, 1))
+
+
+def _distance_inside(place: Array, low: Array, high: Array) -> Array:
+    """Return how far places (n, d) are from the nearest border of a picture, shape (n,)."""
+    return np.asarray(np.minimum(place - low, high - place).min(axis=1))
 
 
 def _sigmas_above(values: Array, has_ended: NDArray[np.bool_]) -> float:
@@ -128,11 +139,10 @@ def _sigmas_above(values: Array, has_ended: NDArray[np.bool_]) -> float:
 
 def _fair_tracks(place: Array, is_there: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], int]:
     """Return which tracks are used, and up to how many times; 0 times if there is no choice."""
-    low = np.nanmin(place, axis=(0, 1))
-    high = np.nanmax(place, axis=(0, 1))
+    low, high = _picture(place)
     side = float((high - low).min())
-    distance = np.minimum(place[0] - low, high - place[0]).min(axis=1)
-    is_seen_later = np.maximum.accumulate(is_there[::-1], axis=0)[::-1]
+    distance = _distance_inside(place[0], low, high)
+    is_seen_later = is_there_or_later(is_there)
     choice = np.zeros(is_there.shape[1], bool)
     n_times = 0
     for margin in MARGINS:

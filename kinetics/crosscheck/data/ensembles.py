@@ -2,24 +2,35 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kinetics.collision.impact import ImpactRestitution, Viscoelastic, impact_restitution
 from kinetics.crosscheck.data.options import refuse_data
-from kinetics.crosscheck.data.sample import R4, Array, Law, N, Sample, reduce_tracks
+from kinetics.crosscheck.data.sample import (
+    R2,
+    R4,
+    V2,
+    V4,
+    Array,
+    Law,
+    N,
+    Sample,
+    Stated,
+    reduce_tracks,
+)
 from kinetics.crosscheck.data.tracks import Tracks
 from kinetics.validation import refuse
 
 if TYPE_CHECKING:
     from particles import Ensemble
 
-#: Powers of the speed in the sums that every run keeps: 1, v^2, v^4, r^2, r^4.
-SPEED_POWERS = (0, 2, 4, 0, 0)
+#: Powers of the speed in the sums that every run keeps, by the column of a `Sample`.
+SPEED_POWERS = {N: 0, V2: 2, V4: 4, R2: 0, R4: 0}
 
 
-def sample_of_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
+def sample_of_ensemble(ensemble: object, name: str = "ensemble") -> Sample:
     """Return the sample of a run, lengths in d.
 
     Counts in bins are in it too, where the run keeps velocities and positions.
@@ -64,8 +75,8 @@ def sample_of_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     if law.is_driven and not is_free:
         found = "a driven run among scatterers that have places"
         refuse_data(name, found, "one of BoltzmannGrad")
-    told = _what_the_run_says(ensemble, restitution)
-    return replace(sample, free=is_free, told=told, law=law)
+    stated = _what_the_run_says(ensemble, restitution)
+    return replace(sample, free=is_free, told=stated, law=law)
 
 
 def _from_tracks(ensemble: Ensemble, name: str, times: Array, is_free: bool) -> Sample:
@@ -75,9 +86,11 @@ def _from_tracks(ensemble: Ensemble, name: str, times: Array, is_free: bool) -> 
     if ensemble.capture_speed > 0.0:  # averages are over those that move
         is_moving = velocity.any(axis=2, keepdims=True)
         velocity = np.where(is_moving, velocity, np.nan)
-    tracers_of_group = 1 if is_free else ensemble.tracers
-    label = np.arange(place.shape[1]) // tracers_of_group
-    grouping = "tracer" if is_free else "medium"
+    label = np.arange(place.shape[1])
+    grouping = "tracer"
+    if not is_free:
+        label = label // ensemble.tracers
+        grouping = "medium"
     tracks = Tracks(times, place, velocity)
     return reduce_tracks(tracks, label, (name,), grouping, bool(ensemble.field))
 
@@ -87,7 +100,7 @@ def _from_sums(ensemble: Ensemble, name: str, times: Array) -> Sample:
     from particles.outputs import CAUGHT
 
     unit = 1.0 / ensemble.plan.scales()
-    scale = np.stack([unit**power for power in SPEED_POWERS], axis=-1)
+    scale = np.stack([unit**power for power in SPEED_POWERS.values()], axis=-1)
     sums = ensemble.moments[:, :, : R4 + 1] * scale
     if ensemble.field:
         sums = np.concatenate([sums, _field_sums(ensemble)], axis=2)
@@ -119,29 +132,31 @@ def _field_sums(ensemble: Ensemble) -> Array:
 
 def _restitution_of(ensemble: Ensemble) -> float | ImpactRestitution:
     """Return the restitution of a run as the solver has it."""
-    restitution: Any = ensemble.restitution
+    from particles.impact import Viscoelastic as ViscoelasticOfRun
+
+    restitution = ensemble.restitution
     if isinstance(restitution, float):
         return restitution
-    if hasattr(restitution, "b"):
+    if isinstance(restitution, ViscoelasticOfRun):
         return Viscoelastic(restitution.b)
     table = impact_restitution((restitution.speeds, restitution.values))
     assert table is not None
     return table
 
 
-def _what_the_run_says(
-    ensemble: Ensemble, restitution: float | ImpactRestitution
-) -> dict[str, Any]:
+def _what_the_run_says(ensemble: Ensemble, restitution: float | ImpactRestitution) -> Stated:
     """Return restitution, density, scatterers and, where it has a name, the start of a run."""
     medium = ensemble.medium
-    told: dict[str, Any] = {
-        "restitution": restitution,
-        "number_density": ensemble.number_density * medium.diameter**medium.dimension,
-        "scatterers": medium.scatterers,
-    }
+    stated = Stated(
+        restitution=restitution,
+        number_density=ensemble.number_density * medium.diameter**medium.dimension,
+        scatterers=medium.scatterers,
+    )
     plan = ensemble.plan
     if plan.rest:
-        told["initial"] = "rest"
+        stated["initial"] = "rest"
+    elif plan.velocities is None and plan.monoenergetic:
+        stated["initial"] = "monoenergetic"
     elif plan.velocities is None:
-        told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
-    return told
+        stated["initial"] = "gaussian"
+    return stated

@@ -9,10 +9,11 @@ executed, links into other files are not followed, and sizes are checked before 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from kinetics.crosscheck.data.arrays import Source
 from kinetics.crosscheck.data.averages import AveragesTable, are_averages, table_of_averages
 from kinetics.crosscheck.data.containers import (
     member_of,
@@ -56,7 +57,7 @@ def _read_hdf5(path: Path, where: str, options: DataOptions) -> Table | Ensemble
 
 
 #: The ending of a file's name, and the function that reads it.
-READERS: dict[str, Callable[[Path, str, DataOptions], Any]] = {
+READERS: dict[str, Callable[[Path, str, DataOptions], Table | AveragesTable | Ensemble]] = {
     ".csv": read_text_table,
     ".tsv": read_text_table,
     ".txt": read_text_table,
@@ -76,18 +77,16 @@ READERS: dict[str, Callable[[Path, str, DataOptions], Any]] = {
 }
 
 
-def name_of(source: Path | Mapping[str, Any]) -> str:
+def name_of(source: Source) -> str:
     """Return the path of a file on one line that can be printed; "data" for data in memory."""
     if not isinstance(source, Path):
         return IN_MEMORY
     text = str(source).encode("utf-8", "replace").decode()
-    printable = "".join(sign if sign.isprintable() else " " for sign in text)
+    printable = "".join(character if character.isprintable() else " " for character in text)
     return " ".join(printable.split())[-MAX_NAME:] or "''"
 
 
-def read_source(
-    source: Path | Mapping[str, Any], options: DataOptions
-) -> Table | AveragesTable | Ensemble:
+def read_source(source: Source, options: DataOptions) -> Table | AveragesTable | Ensemble:
     """Return the table, or the run, that a file or a mapping of arrays holds; or InputError."""
     where = name_of(source)
     try:
@@ -96,8 +95,7 @@ def read_source(
                 return table_of_averages(where, source, options)
             return table_of_mapping(where, source, options)
         read = _reader_of(source, where)
-        result: Table | AveragesTable | Ensemble = read(source, where, options)
-        return result
+        return read(source, where, options)
     except InputError:
         raise
     except Exception as error:  # the libraries raise errors of nearly any class
@@ -105,7 +103,7 @@ def read_source(
         raise InputError(f"{where}: is damaged, or not of this format ({reason})") from None
 
 
-def column_names_of(source: Path | Mapping[str, Any], options: DataOptions) -> tuple[str, ...]:
+def column_names_of(source: Source, options: DataOptions) -> tuple[str, ...]:
     """Return the names of the columns of a text file or a mapping; none of other files."""
     if not isinstance(source, Path):
         return tuple(str(name) for name in source)
@@ -115,7 +113,9 @@ def column_names_of(source: Path | Mapping[str, Any], options: DataOptions) -> t
     return column_names(source, where, options)
 
 
-def _reader_of(path: Path, where: str) -> Callable[[Path, str, DataOptions], Any]:
+def _reader_of(
+    path: Path, where: str
+) -> Callable[[Path, str, DataOptions], Table | AveragesTable | Ensemble]:
     """Return the function that reads a file, by its ending; InputError if there is none."""
     ending = path.suffix.lower()
     if path.name.lower().endswith(PACKED_TEXT):
@@ -123,5 +123,7 @@ def _reader_of(path: Path, where: str) -> Callable[[Path, str, DataOptions], Any
     if ending not in READERS:
         refuse_data(where, f"ending {ending!r}", f"a file {', '.join(READERS)} or .csv.gz")
     if not path.is_file():
-        raise InputError(f"{where}: {'it is no file' if path.exists() else 'no such file'}")
+        if path.exists():
+            raise InputError(f"{where}: it is no file")
+        raise InputError(f"{where}: no such file")
     return READERS[ending]

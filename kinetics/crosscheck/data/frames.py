@@ -14,12 +14,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.columns import AXES, SPEEDS
+from kinetics.crosscheck.data.arrays import Column, Floats, floats_of
+from kinetics.crosscheck.data.columns import AXES, SPEEDS, present
 from kinetics.crosscheck.data.options import refuse_data
 
 #: Positions further apart than a side by more than this fraction of it are not rounding.
@@ -43,12 +42,16 @@ class Frame:
     """
 
     time: float
-    columns: dict[str, NDArray[Any]] = field(default_factory=dict)
+    columns: dict[str, Column] = field(default_factory=dict)
 
     @property
     def n_rows(self) -> int:
         """The number of particles."""
         return max((values.size for values in self.columns.values()), default=0)
+
+    def numbers(self, name: str) -> Floats:
+        """Return places or velocities along an axis, shape (n,)."""
+        return floats_of(self.columns, name)
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,7 @@ class Box:
     sides: dict[str, float]
     periodic: frozenset[str]
 
-    def may_hold(self, axis: str, places: NDArray[Any]) -> bool:
+    def may_hold(self, axis: str, places: Floats) -> bool:
         """Return whether places along an axis are no further apart than a side of the box."""
         extent = np.nanmax(places) - np.nanmin(places)
         return bool(extent <= (1.0 + OUTSIDE) * self.sides[axis])
@@ -98,9 +101,9 @@ def unwrap_frames(
     for axis in axes:
         if axis not in box.periodic or not box.sides.get(axis, 0.0) > 0.0:
             continue
-        if all(axis not in frame.columns for frame in frames):
+        if not any(axis in frame.columns for frame in frames):
             continue
-        places = np.concatenate([frame.columns[axis] for frame in frames])
+        places = np.concatenate([frame.numbers(axis) for frame in frames])
         if box.may_hold(axis, places):
             unwrapped = _unwrap_axis(where, unwrapped, axis, box.sides[axis])
     return unwrapped
@@ -115,7 +118,7 @@ def _unwrap_axis(where: str, frames: list[Frame], axis: str, side: float) -> lis
     n_steps = 0
     for previous, frame in pairwise(frames):
         before = _aligned(where, result[-1], frame, axis)
-        step = frame.columns[axis] - before
+        step = frame.numbers(axis) - before
         step = step - side * np.round(step / side)
         result.append(replace(frame, columns=frame.columns | {axis: before + step}))
         longest_allowed = max(longest_allowed, _longest_step(previous, frame, speed_name))
@@ -133,17 +136,18 @@ def _longest_step(previous: Frame, frame: Frame, speed_name: str) -> float:
     """Return how far a tracer may go between two frames; infinite where there are no velocities."""
     if speed_name not in previous.columns:
         return float("inf")
-    speeds = [previous.columns[name] for name in SPEEDS if name in previous.columns]
-    fastest = float(np.sqrt(np.nanmax(np.sum(np.square(speeds), axis=0))))
+    components = [previous.numbers(name) for name in present(SPEEDS, previous.columns)]
+    fastest = float(np.sqrt(np.nanmax(np.sum(np.square(components), axis=0))))
     return fastest * (frame.time - previous.time)
 
 
-def _aligned(where: str, previous: Frame, frame: Frame, axis: str) -> NDArray[Any]:
+def _aligned(where: str, previous: Frame, frame: Frame, axis: str) -> Floats:
     """Return the places of the tracers of a frame in the frame before."""
+    tracers = frame.columns["tracer"]
     order = np.argsort(previous.columns["tracer"], kind="stable")
     sorted_tracers = previous.columns["tracer"][order]
-    index = np.searchsorted(sorted_tracers, frame.columns["tracer"])
+    index = np.searchsorted(sorted_tracers, tracers)
     index = np.minimum(index, sorted_tracers.size - 1)
-    if not np.array_equal(sorted_tracers[index], frame.columns["tracer"]):
+    if not np.array_equal(sorted_tracers[index], tracers):
         refuse_data(f"{where}: positions", "those in a periodic box of other tracers", "unwrapped")
-    return previous.columns[axis][order][index]
+    return previous.numbers(axis)[order[index]]

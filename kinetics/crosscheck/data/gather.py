@@ -7,15 +7,22 @@ becomes a column of arrays. Begin with `gather_tracks`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.columns import AXES, SPEEDS
+from kinetics.crosscheck.data.arrays import (
+    Column,
+    Columns,
+    Flags,
+    Floats,
+    Integers,
+    floats_of,
+    select_rows,
+)
+from kinetics.crosscheck.data.columns import AXES, SPEEDS, present
 from kinetics.crosscheck.data.differences import quotient_of_velocities
 from kinetics.crosscheck.data.frames import Frame, common_box, unwrap_frames
 from kinetics.crosscheck.data.memory import require_memory
@@ -81,10 +88,10 @@ class _Rows:
     """
 
     where: str
-    columns: dict[str, NDArray[Any]]
-    file: NDArray[Any]
-    time_index: NDArray[Any]
-    times: NDArray[Any]
+    columns: Columns
+    file: Integers
+    time_index: Integers
+    times: Floats
     remarks: tuple[str, ...]
 
     @classmethod
@@ -93,18 +100,11 @@ class _Rows:
         has_one_time_each = _hold_one_time_each(tables)
         if has_one_time_each:
             tables = _unwrapped(tables, where)
-        for table in tables:
-            for label in (*IDENTITY_LABELS, *AXES, *SPEEDS):
-                if table.has(label) != tables[0].has(label):
-                    found = f"another column {label} than before"
-                    refuse_data(table.where, found, "in all files or in none")
-        names = [name for name in tables[0].columns if all(table.has(name) for table in tables)]
-        columns = {
-            name: np.concatenate([table.columns[name] for table in tables]) for name in names
-        }
+        _check_same_columns(tables)
+        columns = _joined_columns(tables)
         sizes = [table.n_rows for table in tables]
         file = np.repeat(np.arange(len(tables)), sizes)
-        remarks = [remark for table in tables for remark in table.remarks]
+        remarks = _all_remarks(tables)
         if has_one_time_each:
             if "tracer" not in columns:
                 refuse_data(where, "files of one time each", "with a column tracer, to join them")
@@ -116,23 +116,22 @@ class _Rows:
             columns["tracer"] = file
             remarks.append(f"{len(tables)} files, each of one track.")
         if _have_own_clocks(columns, file):
-            columns["time"] = columns["time"] - _first_times(columns, file)
+            columns["time"] = floats_of(columns, "time") - _first_times(columns, file)
             remarks.append(
                 "Each track begins at a time of its own, and none with another: each has its own "
                 "clock, and begins at time 0."
             )
-        times, time_index = _common_times(columns["time"], where)
+        times, time_index = _common_times(floats_of(columns, "time"), where)
         if "tracer" not in columns:
             columns[RANK] = _rank_at_time(columns, file, time_index)
         return cls(where, columns, file, time_index, times, tuple(remarks))
 
-    def select(self, chosen: NDArray[np.bool_], remark: str) -> _Rows:
+    def select(self, chosen: Flags, remark: str) -> _Rows:
         """Return some of the rows, and say so."""
-        columns = {name: values[chosen] for name, values in self.columns.items()}
         used = np.unique(self.time_index[chosen])
         return _Rows(
             where=self.where,
-            columns=columns,
+            columns=select_rows(self.columns, chosen),
             file=self.file[chosen],
             time_index=np.searchsorted(used, self.time_index[chosen]),
             times=self.times[used],
@@ -140,11 +139,35 @@ class _Rows:
         )
 
 
-def _rank_at_time(
-    columns: dict[str, NDArray[Any]], file: NDArray[Any], time_index: NDArray[Any]
-) -> NDArray[Any]:
+def _check_same_columns(tables: Sequence[Table]) -> None:
+    """Raise InputError where some tables have a column of tracers that others lack."""
+    for table in tables:
+        for label in (*IDENTITY_LABELS, *AXES, *SPEEDS):
+            if table.has(label) != tables[0].has(label):
+                found = f"another column {label} than before"
+                refuse_data(table.where, found, "in all files or in none")
+
+
+def _joined_columns(tables: Sequence[Table]) -> dict[str, Column]:
+    """Return the columns that all tables have, with the rows of one table below another."""
+    columns: dict[str, Column] = {}
+    for name in tables[0].columns:
+        if all(table.has(name) for table in tables):
+            columns[name] = np.concatenate([table.columns[name] for table in tables])
+    return columns
+
+
+def _all_remarks(tables: Sequence[Table]) -> list[str]:
+    """Return the remarks of all tables."""
+    remarks: list[str] = []
+    for table in tables:
+        remarks += table.remarks
+    return remarks
+
+
+def _rank_at_time(columns: Columns, file: Integers, time_index: Integers) -> Integers:
     """Return the place of each row among those of its time, in its run and medium."""
-    keys = {"time": time_index, "file": file}
+    keys: dict[str, Column] = {"time": time_index, "file": file}
     if "medium" in columns:
         keys["medium"] = columns["medium"]
     frame = pd.DataFrame(keys)
@@ -155,14 +178,17 @@ def _hold_one_time_each(tables: Sequence[Table]) -> bool:
     """Return whether each table holds one time, another than the others."""
     if len(tables) < 2:
         return False
-    times = [np.unique(table.columns["time"]) for table in tables]
-    if any(time.size != 1 for time in times):
-        return False
-    rising = np.sort([float(time[0]) for time in times])
+    times = []
+    for table in tables:
+        times_of_table = np.unique(floats_of(table.columns, "time"))
+        if times_of_table.size != 1:
+            return False
+        times.append(times_of_table[0])
+    rising = np.sort(times)
     return bool(np.all(np.diff(rising) > SAME_TIME * rising[1:]))
 
 
-def _hold_one_track_each(columns: dict[str, NDArray[Any]], file: NDArray[Any]) -> bool:
+def _hold_one_track_each(columns: Columns, file: Integers) -> bool:
     """Return whether no file has two rows at one time."""
     rows = pd.DataFrame({"file": file, "time": columns["time"]})
     return not rows.duplicated().any()
@@ -173,29 +199,32 @@ def _unwrapped(tables: Sequence[Table], where: str) -> Sequence[Table]:
     box = common_box(where, [table.box for table in tables])
     if box is None:
         return tables
-    frames = [Frame(float(table.columns["time"][0]), dict(table.columns)) for table in tables]
+    frames = []
+    for table in tables:
+        time = float(floats_of(table.columns, "time")[0])
+        frames.append(Frame(time, dict(table.columns)))
     frames.sort(key=lambda frame: frame.time)
-    axes = [axis for axis in AXES if tables[0].has(axis)]
+    axes = present(AXES, tables[0].columns)
     unwrapped = unwrap_frames(where, frames, box, axes)
-    remarks = tuple(remark for table in tables for remark in table.remarks)
+    remarks = tuple(_all_remarks(tables))
     return [Table(where, frame.columns, remarks) for frame in unwrapped]
 
 
-def _first_times(columns: dict[str, NDArray[Any]], file: NDArray[Any]) -> NDArray[Any]:
+def _first_times(columns: Columns, file: Integers) -> Floats:
     """Return for each row the first time of its tracer."""
-    labels = {name: columns[name] for name in IDENTITY_LABELS if name in columns}
-    frame = pd.DataFrame(labels | {"file": file})
-    keys = list(frame)
-    frame["time"] = columns["time"]
+    labels = present(IDENTITY_LABELS, columns)
+    frame = pd.DataFrame({name: columns[name] for name in (*labels, "time")})
+    frame["file"] = file
+    keys = [*labels, "file"]
     return np.asarray(frame.groupby(keys)["time"].transform("min"))
 
 
-def _have_own_clocks(columns: dict[str, NDArray[Any]], file: NDArray[Any]) -> bool:
+def _have_own_clocks(columns: Columns, file: Integers) -> bool:
     """Return whether each of many tracks begins at a time of its own, none with another.
 
     Of many tracks of one clock, some begin in the same frame.
     """
-    times = columns["time"]
+    times = floats_of(columns, "time")
     if "tracer" not in columns or np.count_nonzero(times == np.nanmin(times)) > 1:
         return False
     first_times = _first_times(columns, file)
@@ -206,7 +235,7 @@ def _have_own_clocks(columns: dict[str, NDArray[Any]], file: NDArray[Any]) -> bo
     return bool(has_more_rows and are_different and n_tracks >= MIN_CLOCKS)
 
 
-def _common_times(times: NDArray[Any], where: str) -> tuple[NDArray[Any], NDArray[Any]]:
+def _common_times(times: Floats, where: str) -> tuple[Floats, Integers]:
     """Return the different times, rising, and the index of each row's; NaN is refused."""
     missing = np.isnan(times)
     if np.any(missing):
@@ -224,7 +253,7 @@ def _common_times(times: NDArray[Any], where: str) -> tuple[NDArray[Any], NDArra
     return different[is_new], (np.cumsum(is_new) - 1)[index]
 
 
-def _has_single_precision(times: NDArray[Any]) -> bool:
+def _has_single_precision(times: Floats) -> bool:
     """Return whether so many times are numbers of single precision that these are no accident."""
     with np.errstate(over="ignore"):
         single = times.astype(np.float32)
@@ -235,7 +264,7 @@ def _without_useless_velocities(rows: _Rows, options: DataOptions) -> _Rows:
     """Return rows without velocities that are differences of positions, or are at few times."""
     if SPEEDS[0] not in rows.columns:
         return rows
-    is_stated = ~np.isnan(rows.columns[SPEEDS[0]])
+    is_stated = ~np.isnan(floats_of(rows.columns, SPEEDS[0]))
     n_times = np.count_nonzero(np.bincount(rows.time_index[is_stated]))
     if n_times < min(MIN_TIMES_WITH_VELOCITIES, rows.times.size):
         reason = f"Velocities are stated at {n_times} of {rows.times.size} times"
@@ -244,14 +273,17 @@ def _without_useless_velocities(rows: _Rows, options: DataOptions) -> _Rows:
         if quotient is None:
             return rows
         reason = f"Velocities are {quotient} differences of the positions, row by row"
-    columns = {name: values for name, values in rows.columns.items() if name not in SPEEDS}
+    columns = dict(rows.columns)
+    for name in SPEEDS:
+        columns.pop(name, None)
     remark = f"{reason}: positions alone are used."
     return replace(rows, columns=columns, remarks=(*rows.remarks, remark))
 
 
 def _quotient_of_sample(rows: _Rows, options: DataOptions) -> str | None:
     """Return which difference quotient the velocities of some tracers are; None for measured."""
-    labels = rows.columns["tracer" if "tracer" in rows.columns else RANK]
+    label_name = present(("tracer", RANK), rows.columns)[0]
+    labels = rows.columns[label_name]
     n_tracers = ROWS_SAMPLED // rows.times.size + 1
     sampled_labels = labels[:: labels.size // n_tracers + 1]
     is_sampled = np.asarray(pd.Series(labels).isin(sampled_labels))
@@ -261,18 +293,26 @@ def _quotient_of_sample(rows: _Rows, options: DataOptions) -> str | None:
 
 def _without_gaps(rows: _Rows) -> _Rows:
     """Return the rows in which no number is missing; those that are left out are counted."""
-    numbers = [name for name in (*AXES, *SPEEDS) if name in rows.columns]
-    is_whole = ~np.any([np.isnan(rows.columns[name]) for name in numbers], axis=0)
-    n_gaps = int(np.count_nonzero(~is_whole))
+    missing: dict[str, Flags] = {}
+    for name in present((*AXES, *SPEEDS), rows.columns):
+        missing[name] = np.isnan(floats_of(rows.columns, name))
+    has_gap = np.any(list(missing.values()), axis=0)
+    n_gaps = int(np.count_nonzero(has_gap))
     if n_gaps == 0:
         return rows
-    if not np.any(is_whole):
-        empty = [name for name in numbers if np.all(np.isnan(rows.columns[name]))]
-        found = f"no number of {empty[0]!r}" if empty else "a number that is missing in every row"
-        refuse_data(rows.where, found, "rows with all numbers")
-    share = n_gaps / is_whole.size
+    if n_gaps == has_gap.size:
+        refuse_data(rows.where, _what_is_missing(missing), "rows with all numbers")
+    share = n_gaps / has_gap.size
     remark = f"{n_gaps} rows ({share:.2g} of all) in which a number is missing are left out."
-    return rows.select(is_whole, remark)
+    return rows.select(~has_gap, remark)
+
+
+def _what_is_missing(missing: Mapping[str, Flags]) -> str:
+    """Return the first column that has no number at all, as a message names it."""
+    for name, is_missing in missing.items():
+        if np.all(is_missing):
+            return f"no number of {name!r}"
+    return "a number that is missing in every row"
 
 
 def _thinned(rows: _Rows) -> _Rows:
@@ -301,7 +341,7 @@ def _dense(rows: _Rows, options: DataOptions) -> Tracks:
     """Return rows as arrays of times and tracers; InputError for two rows of one tracer."""
     number, n_tracers = _tracer_numbers(rows)
     n_times = rows.times.size
-    n_axes = sum(name in rows.columns for name in AXES)
+    n_axes = len(present(AXES, rows.columns))
     require_memory(rows.where, BYTES_OF_NUMBER * n_axes * n_tracers * n_times)
     cell = rows.time_index * n_tracers + number
     _check_one_row_each(rows, cell)
@@ -312,31 +352,29 @@ def _dense(rows: _Rows, options: DataOptions) -> Tracks:
     _check_sizes(rows.where, place, velocity)
     row_of_tracer = np.empty(n_tracers, np.int64)
     row_of_tracer[number] = np.arange(number.size)
-    labels: dict[str, Any] = {}
-    for name in IDENTITY_LABELS:
-        if name in rows.columns:
-            labels[name] = rows.columns[name][row_of_tracer]
+    labels: dict[str, Column] = {}
+    for name in present(IDENTITY_LABELS, rows.columns):
+        labels[name] = rows.columns[name][row_of_tracer]
     return Tracks(
         times=rows.times / options.units.time,
         place=place,
         velocity=velocity,
+        tracer=labels.get("tracer"),
+        medium=labels.get("medium"),
         file=rows.file[row_of_tracer],
         remarks=rows.remarks,
-        **labels,
     )
 
 
-def _tracer_numbers(rows: _Rows) -> tuple[NDArray[Any], int]:
+def _tracer_numbers(rows: _Rows) -> tuple[Integers, int]:
     """Return a number for the tracer of each row, and how many there are.
 
     Labels of one file, or medium, are not those of another. Without labels the k-th row of each
     time is taken for the same tracer.
     """
-    names = (*IDENTITY_LABELS, RANK)
-    labels = {name: rows.columns[name] for name in names if name in rows.columns}
-    labels["file"] = rows.file
+    labels = [rows.columns[name] for name in present((*IDENTITY_LABELS, RANK), rows.columns)]
     number = np.zeros(rows.time_index.size, np.int64)
-    for values in labels.values():
+    for values in (*labels, rows.file):
         code, different = pd.factorize(values, sort=True)
         number = number * len(different) + code
     number, different = pd.factorize(number, sort=True)
@@ -347,32 +385,32 @@ def _tracer_numbers(rows: _Rows) -> tuple[NDArray[Any], int]:
     return number, n_tracers
 
 
-def _check_one_row_each(rows: _Rows, cell: NDArray[Any]) -> None:
+def _check_one_row_each(rows: _Rows, cell: Integers) -> None:
     """Raise InputError where a tracer has two rows at one time."""
     filled = np.bincount(cell)
     if filled.max() <= 1:
         return
     row = int(np.argmax(filled[cell] > 1))
-    names = [name for name in IDENTITY_LABELS if name in rows.columns]
+    names = present(IDENTITY_LABELS, rows.columns)
     tracer = " of ".join(f"{name} {rows.columns[name][row]}" for name in names)
-    time = rows.columns["time"][row]
+    time = floats_of(rows.columns, "time")[row]
     refuse_data(rows.where, f"more than one row of {tracer} at time {time:g}", "one for each time")
 
 
-def _vectors(
-    rows: _Rows, names: Sequence[str], cell: NDArray[Any], shape: tuple[int, int]
-) -> NDArray[Any]:
+def _vectors(rows: _Rows, names: Sequence[str], cell: Integers, shape: tuple[int, int]) -> Floats:
     """Return vectors of shape (n_times, n, d), NaN where there is no row."""
-    components = [rows.columns[name] for name in names if name in rows.columns]
+    components = [floats_of(rows.columns, name) for name in present(names, rows.columns)]
     vectors = np.full((shape[0] * shape[1], len(components)), np.nan)
     vectors[cell] = np.stack(components, axis=-1)
     return vectors.reshape(*shape, -1)
 
 
-def _check_sizes(where: str, place: NDArray[Any], velocity: NDArray[Any] | None) -> None:
+def _check_sizes(where: str, place: Floats, velocity: Floats | None) -> None:
     """Raise InputError for numbers whose fourth powers are out of range."""
     far = float(np.nanmax(np.abs(place), initial=0.0))
-    fast = 0.0 if velocity is None else float(np.nanmax(np.abs(velocity), initial=0.0))
+    fast = 0.0
+    if velocity is not None:
+        fast = float(np.nanmax(np.abs(velocity), initial=0.0))
     if max(far, fast) > MAX_SIZE:
         got = f"speeds of {fast:.3g} U and displacements of {far:.3g} d"
         refuse_data(where, got, f"below {MAX_SIZE:g}; give --speed-unit and --diameter")

@@ -2,54 +2,61 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.arrays import Column, Floats
 from kinetics.crosscheck.data.columns import AXES, SPEEDS
-from kinetics.crosscheck.data.containers import member_of, numbers_of, take_dataset
+from kinetics.crosscheck.data.containers import (
+    dataset_of,
+    member_of,
+    numbers_of,
+    take_dataset,
+)
 from kinetics.crosscheck.data.frames import Box, Frame
 from kinetics.crosscheck.data.memory import MemoryBudget
 from kinetics.crosscheck.data.missing import without_mask
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import Table, table_of_frames
 
+if TYPE_CHECKING:
+    import h5py
+
 #: Elements that are labels of particles, and our names; this package writes `medium`.
 LABEL_OF_ELEMENT = {"id": "tracer", "medium": "medium", "species": "type"}
 
 
-def read_h5md(file: Any, where: str, options: DataOptions) -> Table:
+def read_h5md(file: h5py.File, where: str, options: DataOptions) -> Table:
     """Read an open H5MD file."""
     group = _group_of_particles(where, file["particles"])
     _require_memory(where, group)
     positions = without_mask(numbers_of(where, group, "position")).astype(float, copy=False)
     times = _times_of(where, group, "position", positions.shape[0], options)
-    columns = {"position": positions}
+    vectors = {"position": positions}
     if "velocity" in group:
-        columns["velocity"] = _velocities(where, group, positions, times, options)
+        vectors["velocity"] = _velocities(where, group, positions, times, options)
     labels = _labels_of(where, group, positions.shape[:2])
     box = _box_of(where, group, positions.shape[2])
     if "image" in group:
-        columns["position"] = _unwrapped_by_images(where, group, positions, box)
+        vectors["position"] = _unwrapped_by_images(where, group, positions, box)
         box = None
-    frames = [_frame(columns, labels, index, time) for index, time in enumerate(times)]
+    frames = [_frame(vectors, labels, index, time) for index, time in enumerate(times)]
     return table_of_frames(where, frames, options, box)
 
 
-def _require_memory(where: str, group: Any) -> None:
+def _require_memory(where: str, group: h5py.Group) -> None:
     """Raise InputError for elements of particles that together do not fit."""
     import h5py
 
     budget = MemoryBudget(where)
     for name in ("position", "velocity", "image", *LABEL_OF_ELEMENT):
-        element = member_of(group, name)
-        dataset = member_of(element, "value") if isinstance(element, h5py.Group) else element
+        dataset = dataset_of(group, name)
         if isinstance(dataset, h5py.Dataset):
             take_dataset(budget, where, dataset)
 
 
-def _group_of_particles(where: str, particles: Any) -> Any:
+def _group_of_particles(where: str, particles: h5py.Group) -> h5py.Group:
     """Return the only group of particles that has positions."""
     groups = []
     for name in particles:
@@ -61,7 +68,9 @@ def _group_of_particles(where: str, particles: Any) -> Any:
     return groups[0]
 
 
-def _times_of(where: str, group: Any, name: str, n_frames: int, options: DataOptions) -> Any:
+def _times_of(
+    where: str, group: h5py.Group, name: str, n_frames: int, options: DataOptions
+) -> Floats:
     """Return the times of an element, from its times or its steps.
 
     Each may be an array, or one number: the increment, with an offset as its attribute.
@@ -74,7 +83,7 @@ def _times_of(where: str, group: Any, name: str, n_frames: int, options: DataOpt
     return options.times_of_steps(where, _progression(where, element, "step", n_frames))
 
 
-def _progression(where: str, element: Any, name: str, n_frames: int) -> NDArray[Any]:
+def _progression(where: str, element: h5py.Group, name: str, n_frames: int) -> Floats:
     """Return times or steps (n_frames,), also where only their increment is stored."""
     values = np.asarray(numbers_of(where, element, name), float)
     if values.ndim == 0:
@@ -88,8 +97,8 @@ def _progression(where: str, element: Any, name: str, n_frames: int) -> NDArray[
 
 
 def _velocities(
-    where: str, group: Any, positions: NDArray[Any], times: NDArray[Any], options: DataOptions
-) -> NDArray[Any]:
+    where: str, group: h5py.Group, positions: Floats, times: Floats, options: DataOptions
+) -> Floats:
     """Return velocities at the times of the positions; missing at those that have none."""
     values = without_mask(numbers_of(where, group, "velocity")).astype(float, copy=False)
     velocity_times = _times_of(where, group, "velocity", values.shape[0], options)
@@ -104,9 +113,9 @@ def _velocities(
     return velocities
 
 
-def _labels_of(where: str, group: Any, shape: tuple[int, ...]) -> dict[str, NDArray[Any]]:
+def _labels_of(where: str, group: h5py.Group, shape: tuple[int, ...]) -> dict[str, Column]:
     """Return the labels of the particles, shape (n_frames, n); by default they keep their order."""
-    labels = {"tracer": np.arange(shape[1])}
+    labels: dict[str, Column] = {"tracer": np.arange(shape[1])}
     for element, name in LABEL_OF_ELEMENT.items():
         if element in group:
             labels[name] = without_mask(numbers_of(where, group, element))
@@ -114,10 +123,11 @@ def _labels_of(where: str, group: Any, shape: tuple[int, ...]) -> dict[str, NDAr
         if values.shape not in (shape, shape[1:]):
             allowed = f"a label for each of the {shape[1]} particles"
             refuse_data(f"{where}: {name}", f"shape {values.shape}", allowed)
-    return {name: np.broadcast_to(values, shape) for name, values in labels.items()}
+        labels[name] = np.broadcast_to(values, shape)
+    return labels
 
 
-def _box_of(where: str, group: Any, n_axes: int) -> Box | None:
+def _box_of(where: str, group: h5py.Group, n_axes: int) -> Box | None:
     """Return the box, if it has edges; they may be a vector or a matrix, also for each frame."""
     import h5py
 
@@ -138,34 +148,39 @@ def _box_of(where: str, group: Any, n_axes: int) -> Box | None:
         edges = np.diagonal(edges)
     edges = np.atleast_2d(edges)[0]
     sides = dict(zip(AXES[:n_axes], edges.tolist(), strict=False))
-    boundary = [_text(word) for word in np.ravel(box.attrs.get("boundary", ()))]
-    periodic = [axis for axis, word in zip(AXES, boundary, strict=False) if word == "periodic"]
+    periodic = set()
+    for axis, word in zip(AXES, np.ravel(box.attrs.get("boundary", ())), strict=False):
+        if _text(word) == "periodic":
+            periodic.add(axis)
     return Box(sides, frozenset(periodic))
 
 
-def _text(word: Any) -> str:
+def _text(word: str | bytes) -> str:
     """Return a text of HDF5, which may be bytes."""
-    return word.decode() if isinstance(word, bytes) else str(word)
+    if isinstance(word, bytes):
+        return word.decode()
+    return str(word)
 
 
 def _unwrapped_by_images(
-    where: str, group: Any, positions: NDArray[Any], box: Box | None
-) -> NDArray[Any]:
+    where: str, group: h5py.Group, positions: Floats, box: Box | None
+) -> Floats:
     """Return positions with the sides of the box that each tracer has crossed."""
-    images = numbers_of(where, group, "image")
-    sides = [] if box is None else [box.sides.get(axis, 0.0) for axis in AXES[: positions.shape[2]]]
-    if images.shape != positions.shape or len(sides) < positions.shape[2] or min(sides) <= 0:
+    images = without_mask(numbers_of(where, group, "image")).astype(float, copy=False)
+    sides = np.zeros(positions.shape[2])
+    if box is not None:
+        for index, axis in enumerate(AXES[: sides.size]):
+            sides[index] = box.sides.get(axis, 0.0)
+    if images.shape != positions.shape or not np.all(sides > 0):
         allowed = f"{positions.shape}, with a box that is always the same"
         refuse_data(f"{where}: image", images.shape, allowed)
-    return np.asarray(positions + images * np.array(sides))
+    return np.asarray(positions + images * sides)
 
 
-def _frame(
-    columns: dict[str, NDArray[Any]], labels: dict[str, NDArray[Any]], index: int, time: float
-) -> Frame:
+def _frame(vectors: dict[str, Floats], labels: dict[str, Column], index: int, time: float) -> Frame:
     """Return one frame by our names."""
-    of_frame = {name: values[index] for name, values in labels.items()}
+    columns = {name: values[index] for name, values in labels.items()}
     for names, element in ((AXES, "position"), (SPEEDS, "velocity")):
-        if element in columns:
-            of_frame |= dict(zip(names, columns[element][index].T, strict=False))
-    return Frame(float(time), of_frame)
+        if element in vectors:
+            columns |= dict(zip(names, vectors[element][index].T, strict=False))
+    return Frame(float(time), columns)

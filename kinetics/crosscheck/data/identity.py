@@ -6,14 +6,12 @@ does not depend on the place: <r(s) . r(t)> is about <|r(s)|^2>. Those of two tr
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.tracks import Tracks
 
-Array = NDArray[Any]
+Array = NDArray[np.float64]
 
 #: Share of the rows that belong to one tracer below which their order says nothing.
 MIN_SHARE_IN_ORDER = 0.5

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
+
+from kinetics.crosscheck.data.arrays import Column
 
 
-def without_mask(values: Any) -> NDArray[Any]:
+def without_mask(values: ArrayLike) -> Column:
     """Return values as an array in which what is masked or missing is NaN (None where texts).
 
     Masked arrays, alone or in lists, and the missing values of pandas' nullable types are missing
@@ -26,7 +26,7 @@ def without_mask(values: Any) -> NDArray[Any]:
     return np.asarray(values)
 
 
-def _of_masked(values: np.ma.MaskedArray[Any, Any]) -> NDArray[Any]:
+def _of_masked(values: np.ma.MaskedArray) -> Column:
     """Return a masked array as a plain one."""
     mask = np.ma.getmaskarray(values)
     if not np.any(mask):
@@ -38,7 +38,7 @@ def _of_masked(values: np.ma.MaskedArray[Any, Any]) -> NDArray[Any]:
     return np.asarray(texts)
 
 
-def _of_nullable(values: Any) -> NDArray[Any]:
+def _of_nullable(values: pd.api.extensions.ExtensionArray) -> Column:
     """Return an extension array of pandas as one of NumPy."""
     is_number = pd.api.types.is_numeric_dtype(values.dtype)
     if not is_number or pd.api.types.is_bool_dtype(values.dtype):
@@ -48,7 +48,7 @@ def _of_nullable(values: Any) -> NDArray[Any]:
     return np.asarray(values.to_numpy(dtype=getattr(values.dtype, "numpy_dtype", None)))
 
 
-def _holds_masked(values: Any) -> bool:
+def _holds_masked(values: ArrayLike) -> bool:
     """Return whether values are a masked array or a masked number, or a list that holds some."""
     if isinstance(values, list | tuple):
         return any(_holds_masked(item) for item in values)

@@ -12,16 +12,16 @@ the tracer is never faster later. Begin with `impossible_motion`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.arrays import lengths_of
 from kinetics.crosscheck.data.options import Units, refuse_data
 from kinetics.crosscheck.data.rounding import resolution_of
 from kinetics.crosscheck.data.tracks import Tracks
 
-Array = NDArray[Any]
+Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 #: Speeds that rise, and steps that are longer, by less than this fraction are no alarm: averages
@@ -126,7 +126,7 @@ def steps_beyond_speed(tracks: Tracks, velocity: Array, units: Units) -> Impossi
     n_times = tracks.times.size
     place_resolution = 2.0 * resolution_of(place * units.length) / units.length
     speed_resolution = 2.0 * resolution_of(velocity * units.speed) / units.speed
-    speed = _length(velocity)
+    speed = lengths_of(velocity)
     rms_speed = np.sqrt(np.nanmean(speed**2))
     is_faster = np.zeros((n_times - 1, tracks.n_tracers), bool)
     is_further = np.zeros_like(is_faster)
@@ -138,7 +138,7 @@ def steps_beyond_speed(tracks: Tracks, velocity: Array, units: Units) -> Impossi
     for index in range(1, n_times):
         time = tracks.times[index]
         duration = time - time_before
-        step = _length(place[index] - place_before)
+        step = lengths_of(place[index] - place_before)
         longest = speed_before * duration
         rise = speed[index] - speed_before
         excess = step - longest
@@ -165,9 +165,9 @@ def steps_beyond_straight_flight(tracks: Tracks, units: Units) -> ImpossibleStep
     place = tracks.place
     durations = np.diff(tracks.times)[:, None]
     steps = np.diff(place, axis=0)
-    lengths = _length(steps)
+    lengths = lengths_of(steps)
     velocities = steps / durations[:, :, None]
-    turns = _length(np.diff(velocities, axis=0))
+    turns = lengths_of(np.diff(velocities, axis=0))
     # of the difference of two velocities, for a place with an error of 1
     turn_errors = np.sqrt(
         2.0 / durations[1:] ** 2
@@ -178,7 +178,7 @@ def steps_beyond_straight_flight(tracks: Tracks, units: Units) -> ImpossibleStep
     place_error = max(_quiet_error(turns / turn_errors), resolution)
     length_error = SURE_ERRORS * np.sqrt(2.0) * place_error
     largest_turn = ALIKE_ERRORS * place_error * turn_errors
-    mean_velocity = _length(velocities[1:] + velocities[:-1]) / 2.0
+    mean_velocity = lengths_of(velocities[1:] + velocities[:-1]) / 2.0
     is_straight = (turns <= largest_turn) & (mean_velocity > FLIGHT_OVER_ERROR * largest_turn)
     is_further = np.zeros(lengths.shape, bool)
     is_large = np.zeros(lengths.shape, bool)
@@ -192,7 +192,7 @@ def steps_beyond_straight_flight(tracks: Tracks, units: Units) -> ImpossibleStep
         rms_length = np.sqrt(np.mean(length[is_seen] ** 2)) if np.any(is_seen) else 0.0
         is_large[index] = excess > SMALL_EXCESS * rms_length
         if index > 0:
-            flown = _length(place[index + 1] - place[index - 1])
+            flown = lengths_of(place[index + 1] - place[index - 1])
             duration = tracks.times[index + 1] - tracks.times[index - 1]
             seen_speed = (flown + length_error) / duration
             has_flown = is_straight[index - 1] & ~is_further[index]
@@ -215,14 +215,6 @@ def _quiet_error(scaled_turns: Array) -> float:
             errors.append(np.quantile(turns[is_seen], QUIET_SHARE))
     quantile_of_unit = np.sqrt(-2.0 * np.log(1.0 - QUIET_SHARE))
     return float(min(errors, default=0.0) / quantile_of_unit)
-
-
-def _length(vectors: Array) -> Array:
-    """Return the length of vectors (..., d)."""
-    square = vectors[..., 0] ** 2
-    for axis in range(1, vectors.shape[-1]):  # summing over a short last axis takes longer
-        square = square + vectors[..., axis] ** 2
-    return np.asarray(np.sqrt(square))
 
 
 # -- words -----------------------------------------------------------------------------------------

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NoReturn, Self
+from typing import NoReturn, Self
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinetics.crosscheck.data.arrays import Floats
 from kinetics.crosscheck.data.columns import columns_by_our_names
 from kinetics.errors import InputError
 from kinetics.validation import one_of, real_number, refuse, whole_number
@@ -20,7 +24,7 @@ POSITIONS = ("auto", "displacement", "absolute")
 DECIMAL_SIGNS = (".", ",")
 
 
-def refuse_data(where: str, found: Any, allowed: str) -> NoReturn:
+def refuse_data(where: str, found: object, allowed: str) -> NoReturn:
     """Raise InputError in one line: where, what was found there, and what must be there."""
     raise InputError(f"{where}: got {found}; must be {allowed}")
 
@@ -71,17 +75,17 @@ class DataOptions:
     def checked(
         cls,
         *,
-        positions: Any = "auto",
-        speed_unit: Any = 1.0,
-        diameter: Any = 1.0,
-        time_unit: Any = None,
-        columns: Any = None,
-        timestep: Any = None,
-        frame_interval: Any = None,
-        dimension: Any = None,
-        type: Any = None,
+        positions: object = "auto",
+        speed_unit: object = 1.0,
+        diameter: object = 1.0,
+        time_unit: object = None,
+        columns: object = None,
+        timestep: object = None,
+        frame_interval: object = None,
+        dimension: object = None,
+        type: object = None,
         with_axes: bool = False,
-        decimal: Any = ".",
+        decimal: object = ".",
     ) -> Self:
         """Return the options of a user's arguments, as `compare` takes them; or InputError."""
         speed = real_number("speed_unit", speed_unit, MIN_UNIT, MAX_UNIT)
@@ -96,16 +100,20 @@ class DataOptions:
             step_time = real_number("timestep", timestep, MIN_UNIT, MAX_UNIT)
         if frame_interval is not None:
             step_time = real_number("frame_interval", frame_interval, MIN_UNIT, MAX_UNIT)
+        checked_dimension = None
         if dimension is not None:
-            dimension = whole_number("dimension", dimension, 2, 3)
+            checked_dimension = whole_number("dimension", dimension, 2, 3)
+        tracer_type = None
+        if type is not None:
+            tracer_type = str(type)
         return cls(
             positions=one_of("positions", positions, POSITIONS),
             units=Units(length, speed, time),
             has_time_unit=time_unit is not None,
             columns=columns_by_our_names(columns),
             step_time=step_time,
-            dimension=dimension,
-            type=None if type is None else str(type),
+            dimension=checked_dimension,
+            type=tracer_type,
             with_axes=with_axes,
             decimal=one_of("decimal", decimal, DECIMAL_SIGNS),
         )
@@ -115,9 +123,9 @@ class DataOptions:
         """The axes that are read: x and y, in space z too."""
         return ("x", "y", "z")[: self.dimension or 2]
 
-    def times_of_steps(self, where: str, steps: Any) -> Any:
+    def times_of_steps(self, where: str, steps: ArrayLike) -> Floats:
         """Return the times of steps or frames; InputError where the time of one is unknown."""
         if self.step_time is None:
             allowed = "times, or specify timestep, frame_interval or fps (--timestep ...)"
             refuse_data(where, "numbers of steps or frames alone", allowed)
-        return steps * self.step_time
+        return np.asarray(steps) * self.step_time

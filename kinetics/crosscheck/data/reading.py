@@ -5,15 +5,15 @@ source -> `formats` -> table -> `gather` -> tracks -> displacements -> `sample`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.arrays import Source
 from kinetics.crosscheck.data.averages import AveragesTable, are_averages
 from kinetics.crosscheck.data.copies import copies
 from kinetics.crosscheck.data.ends import without_biased_ends
@@ -30,9 +30,7 @@ from kinetics.crosscheck.data.tracks import Tracks, displacements
 from kinetics.crosscheck.words import numeral
 
 
-def read_sample(
-    sources: Sequence[Path | Mapping[str, Any]], check_motion: bool = True, **arguments: Any
-) -> Sample:
+def read_sample(sources: Sequence[Source], check_motion: bool = True, **arguments: Any) -> Sample:
     """Read one sample.
 
     Parameters
@@ -58,10 +56,10 @@ def read_sample(
         if not isinstance(table, Table):
             if len(sources) > 1:
                 refuse_data(name_of(source), "an Ensemble of several", "the only file")
-            return sample_of_ensemble(table, name_of(source).rsplit("/", 1)[-1])
+            return sample_of_ensemble(table, _file_name(source))
         tables.append(table)
         budget.take(float(sum(values.nbytes for values in table.columns.values())))
-    names = tuple(name_of(source).rsplit("/", 1)[-1] for source in sources)
+    names = tuple(_file_name(source) for source in sources)
     where = ", ".join(names)
     gathered = gather_tracks(tables, options)
     tracks = displacements(without_biased_ends(gathered), where, options)
@@ -80,7 +78,7 @@ def read_sample(
     )
 
 
-def read_averages(source: Path | Mapping[str, Any], **arguments: Any) -> AveragesTable | None:
+def read_averages(source: Source, **arguments: Any) -> AveragesTable | None:
     """Read a table of averages; None if the source is something else.
 
     Parameters
@@ -101,7 +99,12 @@ def read_averages(source: Path | Mapping[str, Any], **arguments: Any) -> Average
     return table
 
 
-def _check_sources(sources: Sequence[Path | Mapping[str, Any]]) -> None:
+def _file_name(source: Source) -> str:
+    """Return the name of a file without its folders; "data" for data in memory."""
+    return name_of(source).rsplit("/", 1)[-1]
+
+
+def _check_sources(sources: Sequence[Source]) -> None:
     """Raise InputError without any source, and for a file that is named twice."""
     paths = [source for source in sources if isinstance(source, Path)]
     allowed = "one file at least, of independent tracers"
@@ -140,7 +143,7 @@ def _are_tracers_known(tracks: Tracks, where: str) -> bool:
 def _group(tracks: Tracks, names: tuple[str, ...], options: DataOptions) -> Sample:
     """Return the sums over configurations where there are several, else over tracers."""
     warnings: list[str] = []
-    label: NDArray[Any] = np.arange(tracks.n_tracers)
+    label = np.arange(tracks.n_tracers)
     grouping = "row"
     if tracks.tracer is not None:
         label = pd.factorize(tracks.tracer, sort=True)[0]
@@ -152,7 +155,9 @@ def _group(tracks: Tracks, names: tuple[str, ...], options: DataOptions) -> Samp
             label = codes
             grouping = "medium"
     if grouping != "medium":
-        reason = "No column medium" if tracks.medium is None else "There is one configuration"
+        reason = "There is one configuration"
+        if tracks.medium is None:
+            reason = "No column medium"
         warnings.append(
             f"{reason}: errors are by tracer. Tracers that share scatterers are not independent: "
             "their errors are larger than these."

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.collision.impact import ImpactRestitution
+from kinetics.crosscheck.data.arrays import Flags, Integers, is_there_or_later
 from kinetics.crosscheck.data.drift import Drift, find_drift
 from kinetics.crosscheck.data.frame_pairs import FramePairs, sum_over_pairs
 from kinetics.crosscheck.data.tracks import Tracks
@@ -21,10 +23,12 @@ from kinetics.drive import DRIVES
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
+#: A scale for each time, (n_times,), and counts in bins over it, (n_groups, n_times, n_bins + 2).
+Binned = tuple[Array, NDArray[np.int32]]
 
-# Columns of the sums: samples, powers of speed and displacement; in a field, and from a beam, v_x,
-# x and x^2 too, and the same of the other axes.
-N, V2, V4, R2, R4, VX, X, X2 = range(8)  # columns
+#: Columns of the sums: samples, powers of speed and displacement; in a field, and from a beam, v_x,
+#: x and x^2 too, and the same of the other axes.
+N, V2, V4, R2, R4, VX, X, X2 = range(8)
 #: Groups at most: a prime, so that labels with a regular pattern spread over all of them. An error
 #: from G groups has the relative error 1/sqrt(2 G), 4.5 % here.
 MOST_GROUPS = 251
@@ -62,6 +66,15 @@ AVERAGES_RTOL = 1e-7
 DRIVEN_RTOL = 1e-5
 
 
+class Stated(TypedDict, total=False):
+    """What data say of the system themselves; a key is missing where they do not say it."""
+
+    restitution: float | ImpactRestitution
+    number_density: float  # in d^-2, in space d^-3
+    scatterers: str  # a name, as a Scene takes it
+    initial: str  # a name, as a Scene takes it
+
+
 class StartBins(NamedTuple):
     """Speeds at time 0 in fine bins, of those that move: mean v^2 in U^2 and tracers, (n_bins,)."""
 
@@ -78,7 +91,7 @@ class Law:
     restitution : only one that depends on the impact speed; None for a number, which is no part
     """
 
-    restitution: Any = None
+    restitution: ImpactRestitution | None = None
     dimension: int = 2
     bath_speed: float = 0.0
     mass_ratio: float = math.inf
@@ -135,7 +148,7 @@ class Sample:
     law : what the system has
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     warnings : what the reader should know
-    told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
+    told : what the data say of the system
     units : "speed", "length" and "time": U, d and d/U in the data's unit, where they were told
     ended : tracers that are not there at a time nor later, shape (n_times,); None for a run that
         keeps sums alone
@@ -155,40 +168,41 @@ class Sample:
     sums: Array
     at_rest: Counts
     grouping: str
-    speeds: tuple[Array, Counts] | None = None
-    displacements: tuple[Array, Counts] | None = None
+    speeds: Binned | None = None
+    displacements: Binned | None = None
     start: StartBins | None = None
     flights: tuple[float, float] = (0.0, 1.0)
     law: Law = Law()
     free: bool = False
     warnings: tuple[str, ...] = ()
-    told: dict[str, Any] = field(default_factory=dict)
+    told: Stated = field(default_factory=Stated)
     units: dict[str, float] = field(default_factory=dict)
     ended: Counts | None = None
     has_velocities: bool = True
     pairs: FramePairs | None = None
     unit_names: dict[str, str] = field(default_factory=dict)
-    presence: NDArray[np.bool_] | None = None
+    presence: Flags | None = None
     drift: Drift | None = None
 
-    def at_times(self, indices: NDArray[np.int64]) -> Sample:
+    def at_times(self, indices: Integers) -> Sample:
         """Return the averages of some of the times, which hold all frames of its pairs."""
-        pairs = self.pairs
-        if pairs is not None:
-            earlier = np.searchsorted(indices, pairs.earlier)
-            later = np.searchsorted(indices, pairs.later)
-            pairs = replace(pairs, earlier=earlier, later=later)
-        return replace(
+        sample = replace(
             self,
             times=self.times[indices],
             sums=self.sums[:, indices],
             at_rest=self.at_rest[indices],
             speeds=_bins_at(self.speeds, indices),
             displacements=_bins_at(self.displacements, indices),
-            ended=None if self.ended is None else self.ended[indices],
-            pairs=pairs,
-            presence=None if self.presence is None else self.presence[:, indices],
         )
+        if self.ended is not None:
+            sample = replace(sample, ended=self.ended[indices])
+        if self.presence is not None:
+            sample = replace(sample, presence=self.presence[:, indices])
+        if self.pairs is not None:
+            earlier = np.searchsorted(indices, self.pairs.earlier)
+            later = np.searchsorted(indices, self.pairs.later)
+            sample = replace(sample, pairs=replace(self.pairs, earlier=earlier, later=later))
+        return sample
 
     @property
     def is_complete(self) -> NDArray[np.bool_]:
@@ -213,9 +227,7 @@ class Sample:
         return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
 
 
-def _bins_at(
-    counted: tuple[Array, Counts] | None, indices: NDArray[np.int64]
-) -> tuple[Array, Counts] | None:
+def _bins_at(counted: Binned | None, indices: Integers) -> Binned | None:
     """Return the scales and counts of some of the times."""
     if counted is None:
         return None
@@ -225,7 +237,7 @@ def _bins_at(
 
 def reduce_tracks(
     tracks: Tracks,
-    label: NDArray[Any],
+    label: Integers,
     names: tuple[str, ...],
     grouping: str,
     with_axes: bool = False,
@@ -241,10 +253,13 @@ def reduce_tracks(
     """
     group = (label % MOST_GROUPS + FILE_SHIFT * tracks.file) % MOST_GROUPS
     has_velocities = tracks.velocity is not None
-    velocity = np.full_like(tracks.place, np.nan) if tracks.velocity is None else tracks.velocity
+    velocity = tracks.velocity
+    if velocity is None:
+        velocity = np.full_like(tracks.place, np.nan)
     is_there = _is_there(tracks)
-    needs_axes = with_axes or (has_velocities and _is_beam(tracks.times, velocity))
-    n_axes = tracks.place.shape[2] if needs_axes else 0
+    n_axes = 0
+    if with_axes or (has_velocities and _is_beam(tracks.times, velocity)):
+        n_axes = tracks.place.shape[2]
     n_times = tracks.times.size
     sums = np.zeros((MOST_GROUPS, n_times, VX + 3 * n_axes))
     at_rest = np.zeros(n_times, np.int64)
@@ -263,14 +278,20 @@ def reduce_tracks(
         if not has_velocities:
             continue
         flights = StraightFlights.of(time, distance, speed)
-        straightest = max(straightest, flights, key=lambda each: each.share)
+        if flights.share > straightest.share:
+            straightest = flights
         at_rest[index] = np.count_nonzero(speed == 0)
         speed_bins.count(index, speed, groups_there)
         if time == 0:
             start = _start_bins(speed)
     is_used = sums[..., N].sum(axis=1) > 0
+    speeds = None
+    drift = None
     pairs = None
-    if not has_velocities:
+    if has_velocities:
+        speeds = speed_bins.of_used_groups()
+        drift = find_drift(velocity, group)
+    else:
         sums[..., [V2, V4]] = np.nan
         pairs = sum_over_pairs(tracks.times, tracks.place, group, MOST_GROUPS)
         is_used |= pairs.has_tracers
@@ -281,7 +302,7 @@ def reduce_tracks(
         sums=sums[is_used],
         at_rest=at_rest,
         grouping=grouping,
-        speeds=speed_bins.of_used_groups() if has_velocities else None,
+        speeds=speeds,
         displacements=displacement_bins.of_used_groups(),
         start=start,
         flights=(straightest.time, straightest.ratio),
@@ -289,7 +310,7 @@ def reduce_tracks(
         has_velocities=has_velocities,
         pairs=pairs,
         presence=_presence(tracks),
-        drift=find_drift(velocity, group) if has_velocities else None,
+        drift=drift,
     )
 
 
@@ -311,15 +332,14 @@ def _presence(tracks: Tracks) -> NDArray[np.bool_] | None:
     is_there = np.isfinite(places[:, :, 0])
     if np.all(is_there):
         return None
-    every = is_there.shape[1] // MAX_PATTERNS + 1
-    return np.ascontiguousarray(is_there[:, ::every].T)
+    stride = is_there.shape[1] // MAX_PATTERNS + 1
+    return np.ascontiguousarray(is_there[:, ::stride].T)
 
 
 def _count_ended(is_there: NDArray[np.bool_]) -> Counts:
     """Return how many tracers are gone for good at each time; is_there : (n_times, n)."""
-    is_there_or_later = np.maximum.accumulate(is_there[::-1], axis=0)[::-1]
     has_begun = np.any(is_there, axis=0)
-    return np.count_nonzero(has_begun & ~is_there_or_later, axis=1)
+    return np.count_nonzero(has_begun & ~is_there_or_later(is_there), axis=1)
 
 
 def _is_beam(times: Array, velocity: Array) -> bool:
@@ -329,7 +349,7 @@ def _is_beam(times: Array, velocity: Array) -> bool:
 
 
 def _sums_by_group(
-    group: NDArray[Any], speed: Array, distance: Array, v: Array, r: Array, n_axes: int
+    group: Integers, speed: Array, distance: Array, v: Array, r: Array, n_axes: int
 ) -> Array:
     """Return the sums of one time, shape (MOST_GROUPS, n_sums)."""
     powers: list[Array | None] = [None, speed**2, (speed**2) ** 2, distance**2, (distance**2) ** 2]
@@ -357,7 +377,7 @@ class _Bins:
         shape = (HISTOGRAM_GROUPS, n_times, EDGES.size + 1)
         return cls(np.ones(n_times), np.zeros(shape, np.int32))
 
-    def count(self, index: int, size: Array, group: NDArray[Any]) -> None:
+    def count(self, index: int, size: Array, group: Integers) -> None:
         """Count the sizes of one time."""
         n_bins = EDGES.size + 1
         with np.errstate(divide="ignore"):
@@ -372,7 +392,7 @@ class _Bins:
         counted = np.bincount(cells, minlength=HISTOGRAM_GROUPS * n_bins)
         self.counts[:, index] = counted.reshape(-1, n_bins)
 
-    def of_used_groups(self) -> tuple[Array, Any]:
+    def of_used_groups(self) -> tuple[Array, NDArray[np.int32]]:
         """Return the scales, and the counts of the groups that have some."""
         is_used = self.counts.any(axis=(1, 2))
         return self.scales, self.counts[is_used]

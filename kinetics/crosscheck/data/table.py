@@ -10,13 +10,28 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
-from kinetics.crosscheck.data.columns import AXES, LABELS, SPEEDS, ColumnName, find_columns
+from kinetics.crosscheck.data.arrays import (
+    Column,
+    Columns,
+    Flags,
+    Floats,
+    NamedArrays,
+    floats_of,
+    select_rows,
+)
+from kinetics.crosscheck.data.columns import (
+    AXES,
+    LABELS,
+    SPEEDS,
+    ColumnName,
+    find_columns,
+    present,
+)
 from kinetics.crosscheck.data.frames import Box, Frame, unwrap_frames
 from kinetics.crosscheck.data.missing import without_mask
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
@@ -41,7 +56,7 @@ class Table:
     """
 
     where: str
-    columns: Mapping[str, NDArray[Any]]
+    columns: Columns
     remarks: tuple[str, ...] = ()
     box: Box | None = None
     unit_names: Mapping[str, str] = field(default_factory=dict)
@@ -51,10 +66,9 @@ class Table:
         """The number of rows."""
         return int(self.columns["time"].size)
 
-    def select(self, rows: NDArray[np.bool_]) -> Table:
+    def select(self, rows: Flags) -> Table:
         """Return some of the rows."""
-        chosen = {name: values[rows] for name, values in self.columns.items()}
-        return replace(self, columns=chosen)
+        return replace(self, columns=select_rows(self.columns, rows))
 
     def has(self, name: str) -> bool:
         """Return whether there is a column of this name."""
@@ -63,17 +77,20 @@ class Table:
 
 def needed_columns(options: DataOptions) -> tuple[str, ...]:
     """Return the columns that a table must have, by our names."""
-    of_type = () if options.type is None else ("type",)
-    return (*options.axes, *of_type)
+    if options.type is None:
+        return options.axes
+    return (*options.axes, "type")
 
 
-def table_of_columns(where: str, columns: Mapping[Any, Any], options: DataOptions) -> Table:
+def table_of_columns(where: str, columns: NamedArrays, options: DataOptions) -> Table:
     """Return a table of columns by the names of a file; InputError for what cannot be used."""
     needed = needed_columns(options)
     found = find_columns(where, columns, options.columns, needed)
     if "time" not in found and "frame" not in found:
         find_columns(where, columns, options.columns, ("time", *needed))  # says what is missing
-    arrays = {name: without_mask(columns[column.original]) for name, column in found.items()}
+    arrays: dict[str, Column] = {}
+    for name, column in found.items():
+        arrays[name] = without_mask(columns[column.original])
     _check_shapes(where, arrays)
     if "time" not in arrays:
         arrays["time"] = options.times_of_steps(where, arrays["frame"])
@@ -83,7 +100,7 @@ def table_of_columns(where: str, columns: Mapping[Any, Any], options: DataOption
     return replace(table, unit_names=_unit_names(found))
 
 
-def _check_shapes(where: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+def _check_shapes(where: str, arrays: Columns) -> None:
     """Raise InputError unless the columns have one length."""
     shapes = {values.shape for values in arrays.values()}
     first = next(iter(arrays.values()))
@@ -97,7 +114,9 @@ def _check_units(where: str, found: Mapping[str, ColumnName], options: DataOptio
     """Raise InputError where the units in the names of columns do not belong together."""
     if options.has_time_unit or not {"x", "vx", "time"} <= set(found):
         return
-    length, speed, time = (found[name].unit for name in ("x", "vx", "time"))
+    length = found["x"].unit
+    speed = found["vx"].unit
+    time = found["time"].unit
     parts_of_speed = re.findall(r"[^\W\d]+", speed)
     if length and time and len(parts_of_speed) == 2 and parts_of_speed != [length, time]:
         got = f"lengths in {length}, speeds in {speed}, times in {time}"
@@ -113,10 +132,10 @@ def _unit_names(found: Mapping[str, ColumnName]) -> dict[str, str]:
     return unit_names
 
 
-def _checked(where: str, arrays: dict[str, NDArray[Any]], options: DataOptions) -> Table:
+def _checked(where: str, arrays: Columns, options: DataOptions) -> Table:
     """Return a table of arrays by our names: types, the type of the tracers, and the plane."""
     _check_shapes(where, arrays)
-    columns = {}
+    columns: dict[str, Column] = {}
     for name, values in arrays.items():
         if name in LABELS:
             columns[name] = _as_labels(where, name, values)
@@ -128,7 +147,7 @@ def _checked(where: str, arrays: dict[str, NDArray[Any]], options: DataOptions) 
     return _in_dimension(table, options)
 
 
-def _as_labels(where: str, name: str, values: NDArray[Any]) -> NDArray[Any]:
+def _as_labels(where: str, name: str, values: Column) -> Column:
     """Return labels as whole numbers or texts; InputError where one is missing."""
     if values.dtype.kind in "OUST":
         missing = pd.isna(values)
@@ -145,7 +164,7 @@ def _as_labels(where: str, name: str, values: NDArray[Any]) -> NDArray[Any]:
     return values
 
 
-def _as_numbers(where: str, name: str, values: NDArray[Any]) -> NDArray[Any]:
+def _as_numbers(where: str, name: str, values: Column) -> Floats:
     """Return numbers as floats; InputError for texts, and where one is infinite."""
     if values.dtype.kind not in "iuf" or values.dtype.itemsize > 8:
         refuse_data(f"{where}: column {name!r}", f"type {values.dtype}", "numbers")
@@ -172,14 +191,15 @@ def _in_dimension(table: Table, options: DataOptions) -> Table:
     """Return a table without what the plane does not have; InputError for velocities across it."""
     columns = dict(table.columns)
     if options.dimension != 3:
-        across = columns.pop("vz", np.zeros(1))
-        if np.any(np.nan_to_num(across)):
+        if "vz" in columns and np.any(np.nan_to_num(floats_of(columns, "vz"))):
             refuse_data(table.where, "velocities with z components", "none, or say dimension 3")
+        columns.pop("vz", None)
         columns.pop("z", None)
-    velocities = [name for name in SPEEDS[: len(options.axes)] if name in columns]
-    if velocities and len(velocities) < len(options.axes):
-        missing = next(name for name in SPEEDS if name not in columns)
-        allowed = f"all of {', '.join(SPEEDS[: len(options.axes)])}, or none of them"
+    components = SPEEDS[: len(options.axes)]
+    velocities = present(components, columns)
+    if velocities and len(velocities) < len(components):
+        missing = next(name for name in components if name not in columns)
+        allowed = f"all of {', '.join(components)}, or none of them"
         refuse_data(table.where, f"no column {missing!r} beside {velocities[0]!r}", allowed)
     return replace(table, columns=columns)
 
@@ -198,26 +218,30 @@ def table_of_frames(
     if not frames:
         refuse_data(where, "no frames", "a file of this format")
     frames = unwrap_frames(where, frames, box, options.axes)
-    names = dict.fromkeys(name for frame in frames for name in frame.columns)
-    columns: dict[str, NDArray[Any]] = {}
-    for name in names:
-        columns[name] = np.concatenate([_column_of_frame(frame, name) for frame in frames])
+    times = [frame.time for frame in frames]
     repeats = [frame.n_rows for frame in frames]
-    columns["time"] = np.repeat([frame.time for frame in frames], repeats)
+    columns: dict[str, Column] = {}
+    for frame in frames:
+        for name in frame.columns:
+            if name not in columns:
+                columns[name] = np.concatenate([_column_of_frame(each, name) for each in frames])
+    columns["time"] = np.repeat(times, repeats)
     table = _checked(where, _without_empty_rows(columns), options)
-    return replace(table, box=box if len(frames) == 1 else None)
+    if len(frames) > 1:
+        return table
+    return replace(table, box=box)
 
 
-def _without_empty_rows(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+def _without_empty_rows(columns: Columns) -> Columns:
     """Return the rows with some number of a place or a velocity: others are of ended tracers."""
-    numbers = [columns[name].astype(float) for name in (*AXES, *SPEEDS) if name in columns]
+    numbers = [floats_of(columns, name) for name in present((*AXES, *SPEEDS), columns)]
     has_any = ~np.all(np.isnan(numbers), axis=0)
     if np.all(has_any):
         return columns
-    return {name: values[has_any] for name, values in columns.items()}
+    return select_rows(columns, has_any)
 
 
-def _column_of_frame(frame: Frame, name: str) -> NDArray[Any]:
+def _column_of_frame(frame: Frame, name: str) -> Column:
     """Return a column of a frame; of missing numbers where the frame does not state it."""
     if name in frame.columns:
         return frame.columns[name]
@@ -227,10 +251,10 @@ def _column_of_frame(frame: Frame, name: str) -> NDArray[Any]:
 def table_of_arrays(
     where: str,
     options: DataOptions,
-    times: Any,
-    positions: Any,
-    velocities: Any = None,
-    **labels: Any,
+    times: ArrayLike,
+    positions: ArrayLike,
+    velocities: ArrayLike | None,
+    labels: NamedArrays,
 ) -> Table:
     """Return the table of arrays of frames.
 
@@ -244,45 +268,53 @@ def table_of_arrays(
         frame is the same tracer
     """
     times = without_mask(times)
-    positions = without_mask(positions)
-    n = positions.shape[1] if positions.ndim == 3 else 0
-    arrays = {"tracer": np.arange(n)}
-    arrays |= {name: without_mask(values) for name, values in labels.items()}
-    vectors = {"positions": positions}
+    vectors = [without_mask(positions)]
     if velocities is not None:
-        vectors["velocities"] = without_mask(velocities)
-    _check_array_shapes(where, times, vectors, arrays)
-    shape = positions.shape[:2]
-    columns = {"time": np.repeat(times, n)}
-    for names, array in zip((AXES, SPEEDS), vectors.values(), strict=False):
+        vectors.append(without_mask(velocities))
+    frame_shape = vectors[0].shape[:2]
+    n = 0
+    if vectors[0].ndim == 3:
+        n = vectors[0].shape[1]
+    arrays: dict[str, Column] = {"tracer": np.arange(n)}
+    for name, values in labels.items():
+        arrays[name] = without_mask(values)
+    _check_array_shapes(where, times, vectors, list(arrays.values()))
+    columns: dict[str, Column] = {"time": np.repeat(times, n)}
+    for names, array in zip((AXES, SPEEDS), vectors, strict=False):
         components = array.reshape(-1, array.shape[2]).T
         columns |= dict(zip(names, components, strict=False))
-    for name, values in arrays.items():
-        columns[name] = np.broadcast_to(values, shape).ravel()
-    missing = [name for name in needed_columns(options) if name not in columns]
-    if missing:
-        refuse_data(where, f"no {missing[0]}", f"with {', '.join(needed_columns(options))}")
+    for name, label in arrays.items():
+        columns[name] = np.broadcast_to(label, frame_shape).ravel()
+    needed = needed_columns(options)
+    for name in needed:
+        if name not in columns:
+            refuse_data(where, f"no {name}", f"with {', '.join(needed)}")
     return _checked(where, _without_empty_rows(columns), options)
 
 
 def _check_array_shapes(
     where: str,
-    times: NDArray[Any],
-    vectors: Mapping[str, NDArray[Any]],
-    labels: Mapping[str, NDArray[Any]],
+    times: Column,
+    vectors: Sequence[Column],
+    labels: Sequence[Column],
 ) -> None:
-    """Raise InputError unless arrays of frames have shapes that belong together."""
-    positions = vectors["positions"]
-    frame_shape = positions.shape[:2]
-    is_right = positions.ndim == 3 and times.shape == frame_shape[:1]
-    is_right &= all(array.shape == positions.shape for array in vectors.values())
-    is_right &= all(array.shape in (frame_shape, frame_shape[1:]) for array in labels.values())
+    """Raise InputError unless arrays of frames have shapes that belong together.
+
+    Parameters
+    ----------
+    where : names the source in messages
+    times : must have the shape (T,)
+    vectors : positions, and velocities if there are any; must have one shape (T, n, d)
+    labels : must have the shape (n,) or (T, n)
+    """
+    shape = vectors[0].shape
+    frame_shape = shape[:2]
+    is_right = len(shape) == 3 and times.shape == frame_shape[:1]
+    for array in vectors:
+        is_right &= array.shape == shape
+    for array in labels:
+        is_right &= array.shape in (frame_shape, frame_shape[1:])
     if not is_right:
-        shapes = [
-            times.shape,
-            *(a.shape for a in vectors.values()),
-            *(a.shape for a in labels.values()),
-        ]
-        shown = ", ".join(str(shape) for shape in shapes)
+        shown = ", ".join(str(array.shape) for array in (times, *vectors, *labels))
         allowed = "(T,), (T, n, d), (T, n, d) and (n,) for each label"
         refuse_data(f"{where}: shapes", shown, allowed)

@@ -16,12 +16,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import IO, Any, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
+from kinetics.crosscheck.data.arrays import Column
 from kinetics.crosscheck.data.averages import (
     AVERAGE_NAMES,
     AveragesTable,
@@ -64,6 +65,10 @@ OTHER_ENCODING = "cp1252"
 #: Bytes of memory for a character of text: 17 digits, a sign, a point and a comma are 8 bytes. A
 #: lower bound, for a first check.
 BYTES_OF_CHARACTER = 0.3
+#: Characters of a line of the file that a message shows. Chosen: a message is one line.
+MAX_SHOWN = 60
+#: Characters of the parser's reason that a message shows. The origin is not recorded.
+MAX_REASON = 150
 #: Texts that say that a number is missing.
 MISSING_NUMBERS = frozenset({"na", "nan", "n/a", "null", "none"})
 #: A number with a decimal comma.
@@ -73,20 +78,21 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 def read_text_table(path: Path, where: str, options: DataOptions) -> Table | AveragesTable:
     """Read a delimited text file, which may be packed by gzip."""
     require_memory(where, BYTES_OF_CHARACTER * path.stat().st_size)
-    encoding = _encoding_of(path, where)
-    layout = _find_layout(path, where, encoding, options)
+    file = _TextFile.of(path, where)
+    layout = _find_layout(file, options)
     if are_averages(layout.names, options):
-        wanted = [ColumnName.of(name) for name in layout.names if name]
-        columns = _read_columns(path, where, encoding, layout, wanted, options)
+        named = [ColumnName.of(name) for name in layout.names if name]
+        columns = _read_columns(file, layout, named, options)
         return table_of_averages(where, columns, options)
     ours = find_columns(where, layout.names, options.columns, needed_columns(options))
-    columns = _read_columns(path, where, encoding, layout, list(ours.values()), options)
+    wanted = list(ours.values())
+    columns = _read_columns(file, layout, wanted, options)
     return table_of_columns(where, columns, options)
 
 
 def column_names(path: Path, where: str, options: DataOptions) -> tuple[str, ...]:
     """Return the names of the columns of a delimited text file."""
-    return _find_layout(path, where, _encoding_of(path, where), options).names
+    return _find_layout(_TextFile.of(path, where), options).names
 
 
 # -- bytes and lines -------------------------------------------------------------------------------
@@ -98,7 +104,7 @@ class _LineGuard(io.RawIOBase):
     So it is where the rows that are parsed at once are so long that they do not fit.
     """
 
-    def __init__(self, file: IO[bytes], where: str) -> None:
+    def __init__(self, file: io.BufferedIOBase, where: str) -> None:
         self._file = file
         self._where = where
         self._line_bytes = 0
@@ -121,7 +127,9 @@ class _LineGuard(io.RawIOBase):
         """Read the next bytes, and count those since the last end of a line."""
         data = self._file.read(len(buffer))
         end = data.rfind(b"\n")
-        self._line_bytes = len(data) - end - 1 + (self._line_bytes if end < 0 else 0)
+        if end >= 0:
+            self._line_bytes = 0
+        self._line_bytes += len(data) - end - 1
         if self._line_bytes > MAX_LINE_BYTES:
             refuse_data(self._where, "a line of over a million bytes", "rows of a table")
         self._bytes_at_once += len(data)
@@ -130,22 +138,21 @@ class _LineGuard(io.RawIOBase):
         return len(data)
 
 
-def _open(path: Path, where: str) -> io.BufferedReader:
-    """Open a file, packed or not, for reading bytes."""
-    return io.BufferedReader(_guarded(path, where), SAMPLE_BYTES)
-
-
 def _guarded(path: Path, where: str) -> _LineGuard:
     """Open a file, packed or not, and watch its lines."""
-    is_packed = path.suffix.lower() == ".gz"
-    file: Any = gzip.open(path) if is_packed else open(path, "rb")  # noqa: SIM115
-    return _LineGuard(file, where)
+    if path.suffix.lower() == ".gz":
+        return _LineGuard(gzip.open(path), where)
+    return _LineGuard(open(path, "rb"), where)
 
 
-def _encoding_of(path: Path, where: str) -> str:
+def _first_bytes(path: Path, where: str) -> bytes:
+    """Return the first bytes of a file, unpacked."""
+    with io.BufferedReader(_guarded(path, where), SAMPLE_BYTES) as file:
+        return file.read(SAMPLE_BYTES)
+
+
+def _encoding_of(sample: bytes) -> str:
     """Return the encoding of a text file, from its first bytes."""
-    with _open(path, where) as file:
-        sample = file.read(SAMPLE_BYTES)
     for mark, encoding in BYTE_ORDER_MARKS.items():
         if sample.startswith(mark):
             return encoding
@@ -157,10 +164,31 @@ def _encoding_of(path: Path, where: str) -> str:
     return "utf-8"
 
 
-def _first_lines(path: Path, where: str, encoding: str) -> list[str]:
-    """Return the first lines of a text file, without their ends."""
-    with io.TextIOWrapper(_open(path, where), encoding, errors="replace") as file:
-        return [line.rstrip("\r\n") for line in islice(file, MAX_HEAD_LINES)]
+@dataclass(frozen=True)
+class _TextFile:
+    """A text file: its path, its name in messages, its first bytes, and its encoding."""
+
+    path: Path
+    where: str
+    sample: bytes
+    encoding: str
+
+    @classmethod
+    def of(cls, path: Path, where: str) -> _TextFile:
+        """Look at the first bytes of a file, which may be packed."""
+        sample = _first_bytes(path, where)
+        return cls(path, where, sample, _encoding_of(sample))
+
+    def first_lines(self) -> list[str]:
+        """Return the first lines, without their ends."""
+        file = io.BufferedReader(_guarded(self.path, self.where), SAMPLE_BYTES)
+        with io.TextIOWrapper(file, self.encoding, errors="replace") as text:
+            return [line.rstrip("\r\n") for line in islice(text, MAX_HEAD_LINES)]
+
+    def rows_at_once(self) -> int:
+        """Return how many rows are parsed at once: fewer where the first lines are long."""
+        line_bytes = len(self.sample) / (self.sample.count(b"\n") + 1)
+        return int(np.clip(BYTES_AT_ONCE / line_bytes, MIN_ROWS_AT_ONCE, MAX_ROWS_AT_ONCE))
 
 
 # -- the layout ------------------------------------------------------------------------------------
@@ -184,37 +212,38 @@ class _Layout:
     has_comments: bool
 
 
-def _find_layout(path: Path, where: str, encoding: str, options: DataOptions) -> _Layout:
+def _find_layout(file: _TextFile, options: DataOptions) -> _Layout:
     """Find the first row of numbers, and the names of the columns above it."""
     head: list[str] = []
-    for line in _first_lines(path, where, encoding):
+    for line in file.first_lines():
         separator = _separator_of(line, options.decimal)
         cells = _split(line, separator)
         is_comment = line.lstrip().startswith("#")
-        is_row = _is_row_of_numbers(cells, options.decimal) or _is_row_of_average(
-            cells, head, options
-        )
-        if not is_comment and is_row:
-            names = _names_above(where, head, separator, cells, options)
+        is_row = _is_row_of_numbers(cells, options.decimal)
+        is_row = is_row or _is_row_of_average(cells, head, options)
+        if is_row and not is_comment:
+            names = _names_above(file.where, head, separator, cells, options)
             return _Layout(separator, names, len(head), has_comments="#" not in line)
         head.append(line)
-    if not any(line.strip() for line in head):
-        refuse_data(where, "an empty file", "a first line that names the columns, and rows")
-    _refuse_head(where, head, options)
+    _refuse_head(file.where, head, options)
 
 
 def _refuse_head(where: str, head: Sequence[str], options: DataOptions) -> NoReturn:
     """Raise InputError for a text without any row of numbers: no rows, or unknown columns."""
-    rows = (_split(line, _separator_of(line, ",")) for line in head)
-    if options.decimal == "." and any(_is_row_of_numbers(cells, ",") for cells in rows):
-        refuse_data(where, "numbers with a decimal comma", "with a point, or say --decimal ,")
-    for line in head:
+    lines = [line for line in head if line.strip()]
+    if not lines:
+        refuse_data(where, "an empty file", "a first line that names the columns, and rows")
+    for line in lines:
+        cells = _split(line, _separator_of(line, ","))
+        if options.decimal == "." and _is_row_of_numbers(cells, ","):
+            refuse_data(where, "numbers with a decimal comma", "with a point, or say --decimal ,")
+    for line in lines:
         names = _split(line.lstrip("#"), _separator_of(line, options.decimal))
         if _count_known(names, options) >= len(options.axes):
             find_columns(where, names, options.columns, ("time", *needed_columns(options)))
             refuse_data(where, "no rows of numbers", "two at least")
-    shown = short(next(line for line in head if line.strip()), 60)
-    refuse_data(where, f"no row of numbers below {shown}", "columns time, x, y, ... and rows")
+    first_line = short(lines[0], MAX_SHOWN)
+    refuse_data(where, f"no row of numbers below {first_line}", "columns time, x, y, ... and rows")
 
 
 def _separator_of(line: str, decimal: str) -> str:
@@ -234,9 +263,14 @@ def _split(line: str, separator: str) -> list[str]:
     return [cell.strip().strip("\"'").strip() for cell in cells]
 
 
+def _is_missing(text: str) -> bool:
+    """Return whether a cell says that a number is missing."""
+    return text.lower() in MISSING_NUMBERS
+
+
 def _is_number(text: str, decimal: str) -> bool:
     """Return whether a cell is a number, or says that one is missing."""
-    if text.lower() in MISSING_NUMBERS:
+    if _is_missing(text):
         return True
     try:
         float(text.replace(decimal, "."))
@@ -247,9 +281,11 @@ def _is_number(text: str, decimal: str) -> bool:
 
 def _is_row_of_numbers(cells: Sequence[str], decimal: str) -> bool:
     """Return whether three cells of a line at least are numbers; one of them is not missing."""
-    filled = [cell for cell in cells if cell]
-    n_numbers = sum(_is_number(cell, decimal) for cell in filled)
-    n_missing = sum(cell.lower() in MISSING_NUMBERS for cell in filled)
+    n_numbers = 0
+    n_missing = 0
+    for cell in cells:
+        n_numbers += _is_number(cell, decimal)
+        n_missing += _is_missing(cell)
     return n_numbers >= 3 and n_numbers > n_missing
 
 
@@ -281,15 +317,23 @@ def _names_above(
             continue
         if _count_known(cells, options) > _count_known(names, options):
             names = cells
-        elif any(cells) and all(not cell or cell.startswith(("(", "[")) for cell in cells):
+        elif _are_units(cells):
             units = cells
     if not names:
-        shown = short(head[-1], 60) if head else "nothing"
+        line_above = "nothing"
+        if head:
+            line_above = short(head[-1], MAX_SHOWN)
         allowed = "a line above that names them: time, x, y, ..."
-        refuse_data(where, f"{n_cells} columns of numbers below {shown}", allowed)
+        refuse_data(where, f"{n_cells} columns of numbers below {line_above}", allowed)
     if not units:
         return tuple(names)
     return tuple(f"{name} {unit}".strip() for name, unit in zip(names, units, strict=True))
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Return whether the cells of a line are units in brackets, or empty."""
+    filled = [cell for cell in cells if cell]
+    return bool(filled) and all(cell.startswith(("(", "[")) for cell in filled)
 
 
 def _count_known(names: Sequence[str], options: DataOptions) -> int:
@@ -297,28 +341,26 @@ def _count_known(names: Sequence[str], options: DataOptions) -> int:
     known = {*KNOWN_NAMES, *options.columns.values()}
     for other_names in (*KNOWN_NAMES.values(), *AVERAGE_NAMES.values()):
         known.update(other_names)
-    columns = [ColumnName.of(name) for name in names]
-    return sum(column.plain in known or column.bare in known for column in columns)
+    count = 0
+    for name in names:
+        column = ColumnName.of(name)
+        count += column.plain in known or column.bare in known
+    return count
 
 
 # -- numbers ---------------------------------------------------------------------------------------
 
 
 def _read_columns(
-    path: Path,
-    where: str,
-    encoding: str,
-    layout: _Layout,
-    wanted: Sequence[ColumnName],
-    options: DataOptions,
-) -> dict[str, Any]:
+    file: _TextFile, layout: _Layout, wanted: Sequence[ColumnName], options: DataOptions
+) -> dict[str, ArrayLike]:
     """Return the wanted columns by the names of the file: numbers, and labels as they are."""
-    frame = _parsed(path, where, encoding, layout, wanted, options)
-    columns: dict[str, Any] = {}
+    frame = _parsed(file, layout, wanted, options)
+    columns: dict[str, ArrayLike] = {}
     for column in wanted:
         columns[column.original] = frame[column.original]
         if not _is_label(column, options):
-            columns[column.original] = _as_numbers(where, layout, column, frame, options)
+            columns[column.original] = _as_numbers(file.where, column, frame, options)
     return columns
 
 
@@ -328,41 +370,40 @@ def _is_label(column: ColumnName, options: DataOptions) -> bool:
         names = (name, *KNOWN_NAMES[name])
         if name in options.columns:
             names = (options.columns[name],)
-        if any(column.is_called(each) for each in names):
+        if column.plain in names or column.bare in names:
             return True
     return False
 
 
 def _parsed(
-    path: Path,
-    where: str,
-    encoding: str,
-    layout: _Layout,
-    wanted: Sequence[ColumnName],
-    options: DataOptions,
+    file: _TextFile, layout: _Layout, wanted: Sequence[ColumnName], options: DataOptions
 ) -> pd.DataFrame:
     """Return the wanted columns; texts where not all cells of one are numbers."""
-    originals = [column.original for column in wanted]
-    places = sorted(layout.names.index(original) for original in originals)
+    name_of_place: dict[int, str] = {}
+    for column in wanted:
+        name_of_place[layout.names.index(column.original)] = column.original
+    comment = None
+    if layout.has_comments:
+        comment = "#"
     chunks = []
-    budget = MemoryBudget(where)
-    guard = _guarded(path, where)
-    with io.BufferedReader(guard, SAMPLE_BYTES) as file:
+    budget = MemoryBudget(file.where)
+    guard = _guarded(file.path, file.where)
+    with io.BufferedReader(guard, SAMPLE_BYTES) as opened:
         try:
             reader = pd.read_csv(
-                file,
+                opened,
                 sep=layout.separator,
                 names=list(range(len(layout.names))),
-                usecols=places,
+                usecols=sorted(name_of_place),
                 header=None,
                 skiprows=layout.head_lines,
                 skipinitialspace=True,
                 decimal=options.decimal,
-                comment="#" if layout.has_comments else None,
-                encoding=encoding,
+                comment=comment,
+                encoding=file.encoding,
                 encoding_errors="replace",
                 index_col=False,
-                chunksize=_rows_at_once(path, where),
+                chunksize=file.rows_at_once(),
                 low_memory=False,
             )
             for chunk in reader:
@@ -370,22 +411,15 @@ def _parsed(
                 chunks.append(chunk)
                 guard.begin_rows()
         except pd.errors.ParserError as error:
-            refuse_data(where, short(str(error), 150), "rows with one cell for each column")
+            allowed = "rows with one cell for each column"
+            refuse_data(file.where, short(str(error), MAX_REASON), allowed)
     frame = pd.concat(chunks, ignore_index=True)
-    return frame.rename(columns={place: layout.names[place] for place in places})
-
-
-def _rows_at_once(path: Path, where: str) -> int:
-    """Return how many rows are parsed at once: fewer where the first lines are long."""
-    with _open(path, where) as file:
-        sample = file.read(SAMPLE_BYTES)
-    line_bytes = len(sample) / (sample.count(b"\n") + 1)
-    return int(np.clip(BYTES_AT_ONCE / line_bytes, MIN_ROWS_AT_ONCE, MAX_ROWS_AT_ONCE))
+    return frame.rename(columns=name_of_place)
 
 
 def _as_numbers(
-    where: str, layout: _Layout, column: ColumnName, frame: pd.DataFrame, options: DataOptions
-) -> NDArray[Any]:
+    where: str, column: ColumnName, frame: pd.DataFrame, options: DataOptions
+) -> Column:
     """Return a column of numbers; InputError names the row and the text that is none."""
     values = frame[column.original]
     if values.dtype.kind in "iuf":

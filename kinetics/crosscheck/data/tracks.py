@@ -7,11 +7,10 @@ tracer starts.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.arrays import Column, Flags, Floats, Integers, lengths_of
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 
 #: Largest time, speed and displacement, in d/U, U and d: fourth powers of these are doubles.
@@ -44,12 +43,12 @@ class Tracks:
     remarks : what a reader should know of how they were made
     """
 
-    times: NDArray[Any]
-    place: NDArray[Any]
-    velocity: NDArray[Any] | None
-    tracer: NDArray[Any] | None = None
-    medium: NDArray[Any] | None = None
-    file: NDArray[Any] | int = 0
+    times: Floats
+    place: Floats
+    velocity: Floats | None
+    tracer: Column | None = None
+    medium: Column | None = None
+    file: Integers | int = 0
     remarks: tuple[str, ...] = ()
 
     @property
@@ -57,17 +56,18 @@ class Tracks:
         """The number of tracers."""
         return int(self.place.shape[1])
 
-    def select_tracers(self, chosen: NDArray[np.bool_]) -> Tracks:
+    def select_tracers(self, chosen: Flags) -> Tracks:
         """Return some of the tracers."""
-        file = self.file if isinstance(self.file, int) else self.file[chosen]
-        return replace(
-            self,
-            place=self.place[:, chosen],
-            velocity=None if self.velocity is None else self.velocity[:, chosen],
-            tracer=None if self.tracer is None else self.tracer[chosen],
-            medium=None if self.medium is None else self.medium[chosen],
-            file=file,
-        )
+        selected = replace(self, place=self.place[:, chosen])
+        if self.velocity is not None:
+            selected = replace(selected, velocity=self.velocity[:, chosen])
+        if self.tracer is not None:
+            selected = replace(selected, tracer=self.tracer[chosen])
+        if self.medium is not None:
+            selected = replace(selected, medium=self.medium[chosen])
+        if not isinstance(self.file, int):
+            selected = replace(selected, file=self.file[chosen])
+        return selected
 
 
 def displacements(tracks: Tracks, where: str, options: DataOptions) -> Tracks:
@@ -151,13 +151,13 @@ def _are_absolute(tracks: Tracks, options: DataOptions) -> bool:
         return bool(mean_square[0] > ROUNDING_OF_PLACE * mean_square.max())
     if tracks.times[0] > TIME_STAMP_OVER_DURATION * (tracks.times[-1] - tracks.times[0]):
         return True
-    speeds = np.sqrt(np.sum(tracks.velocity[0] ** 2, axis=1))
-    farthest = FURTHER_THAN_SPEED * float(np.nanmax(speeds)) * tracks.times[0]
-    median_distance = float(np.nanmedian(np.sqrt(np.sum(tracks.place[0] ** 2, axis=1))))
+    top_speed = float(np.nanmax(lengths_of(tracks.velocity[0])))
+    farthest = FURTHER_THAN_SPEED * top_speed * tracks.times[0]
+    median_distance = float(np.nanmedian(lengths_of(tracks.place[0])))
     return median_distance > farthest
 
 
-def _check_not_wrapped(tracks: Tracks, place: NDArray[Any], where: str) -> None:
+def _check_not_wrapped(tracks: Tracks, place: Floats, where: str) -> None:
     """Raise InputError where no tracer leaves the region of time 0, though many would.
 
     Of n tracers, about n times their root mean square displacement over the side would leave it.

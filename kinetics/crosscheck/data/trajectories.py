@@ -7,24 +7,36 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.columns import AXES, SPEEDS
+from kinetics.crosscheck.data.arrays import Column, floats_of
+from kinetics.crosscheck.data.columns import AXES, SPEEDS, present
 from kinetics.crosscheck.data.frames import Box, Frame, common_box
 from kinetics.crosscheck.data.memory import MemoryBudget, bytes_of_numbers, require_memory
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import Table, table_of_frames
 from kinetics.errors import short
 
+if TYPE_CHECKING:
+    import gsd.fl
+    import gsd.hoomd
+
 #: Characters of a line at most.
 MAX_LINE = 1 << 20
 #: Columns of one property of extended XYZ at most.
 MAX_WIDTH = 1000
-#: Lines that are parsed at once, so that memory can be checked meanwhile.
+#: Lines that are parsed at once, so that memory can be checked meanwhile. The origin of the number
+#: is not recorded.
 LINES_AT_ONCE = 100_000
+#: Characters of the parser's reason that a message shows. The origin is not recorded.
+MAX_REASON = 150
+#: NumPy's name of the type of a column of numbers: doubles.
+TYPE_OF_NUMBER = "f8"
+#: NumPy's name of the type of a column of texts: of 64 characters. The origin is not recorded.
+TYPE_OF_TEXT = "U64"
 #: Columns of a frame of GSD: a label, places and velocities.
 COLUMNS_OF_GSD = 7
 
@@ -56,7 +68,7 @@ class _Lines:
                 if line.strip():
                     yield line.strip()
 
-    def refuse(self, found: Any, allowed: str) -> NoReturn:
+    def refuse(self, found: object, allowed: str) -> NoReturn:
         """Raise InputError for the last line."""
         refuse_data(self.where, found, allowed)
 
@@ -74,9 +86,7 @@ class _Lines:
                 return value
         self.refuse(short(text.strip()), "a finite number")
 
-    def columns(
-        self, count: int, names: Sequence[str], wanted: Sequence[str]
-    ) -> dict[str, NDArray[Any]]:
+    def columns(self, count: int, names: Sequence[str], wanted: Sequence[str]) -> dict[str, Column]:
         """Return columns of the next lines, shape (count,) each; numbers except the type.
 
         Parameters
@@ -85,39 +95,53 @@ class _Lines:
         names : of all columns of a line
         wanted : the names of those that are returned, each there once
         """
+        fields: list[tuple[str, str]] = []
+        places: list[int] = []
         for name in wanted:
-            if list(names).count(name) != 1:
-                self.refuse(f"column {name!r} {list(names).count(name)} times", "once")
-        first = self._number + 1
-        kinds: Any = [(name, "U64" if name == "type" else float) for name in wanted]
-        places = [list(names).index(name) for name in wanted]
-        blocks = [np.empty(0, kinds)]
+            occurrences = list(names).count(name)
+            if occurrences != 1:
+                self.refuse(f"column {name!r} {occurrences} times", "once")
+            places.append(list(names).index(name))
+            type_of_column = TYPE_OF_NUMBER
+            if name == "type":
+                type_of_column = TYPE_OF_TEXT
+            fields.append((name, type_of_column))
+        row_type = np.dtype(fields)
+        where = f"{self._name}: from line {self._number + 1} on"
+        allowed = f"{count} rows of numbers"
+        blocks = [np.empty(0, row_type)]
+        n_lines = 0
         remaining = count
         while remaining > 0:
-            rows = list(islice(self._file, min(remaining, LINES_AT_ONCE)))
-            self._number += len(rows)
-            self._budget.take(float(np.dtype(kinds).itemsize * len(rows)))
-            block = self._block(rows, kinds, places)
-            if isinstance(block, str) or block.size < min(remaining, LINES_AT_ONCE):
-                problem = f"{self._number - first + 1} lines, some blank"
-                if isinstance(block, str):
-                    problem = block
-                refuse_data(
-                    f"{self._name}: from line {first} on", problem, f"{count} rows of numbers"
-                )
+            n_requested = min(remaining, LINES_AT_ONCE)
+            lines = list(islice(self._file, n_requested))
+            self._number += len(lines)
+            n_lines += len(lines)
+            self._budget.take(float(row_type.itemsize * len(lines)))
+            try:
+                block = _rows_of(lines, row_type, places)
+            except ValueError as error:
+                refuse_data(where, short(str(error), MAX_REASON), allowed)
+            if block.size < n_requested:
+                refuse_data(where, f"{n_lines} lines, some blank", allowed)
             blocks.append(block)
             remaining -= block.size
         values = np.concatenate(blocks)
         return {name: values[name] for name in wanted}
 
-    def _block(self, rows: list[str], kinds: Any, places: list[int]) -> NDArray[Any] | str:
-        """Return columns of lines; a text that says what is wrong if they have no such numbers."""
-        if not rows:
-            return np.empty(0, kinds)
-        try:
-            return np.loadtxt(rows, kinds, None, usecols=places, ndmin=1)
-        except ValueError as error:
-            return short(str(error), 150)
+
+def _rows_of(lines: list[str], row_type: np.dtype[np.void], places: list[int]) -> NDArray[np.void]:
+    """Return the rows that lines hold, of the cells at some places; ValueError for other cells."""
+    if not lines:
+        return np.empty(0, row_type)
+    return np.loadtxt(lines, row_type, None, usecols=places, ndmin=1)
+
+
+def _type_column(options: DataOptions) -> list[str]:
+    """Return the name of the column of types if it is needed."""
+    if options.type is None:
+        return []
+    return ["type"]
 
 
 # -- LAMMPS ----------------------------------------------------------------------------------------
@@ -179,37 +203,46 @@ class _LammpsReader:
             if len(bounds) != 2:
                 self.lines.refuse("a slanted box", "rectangular, with two bounds a line")
             sides[axis] = self.lines.number(bounds[1]) - self.lines.number(bounds[0])
-        periodic = [axis for axis, word in zip(AXES, words[1:], strict=False) if word == "pp"]
-        return Box(sides, frozenset(periodic))
+        boundaries = dict(zip(AXES, words[1:], strict=False))
+        periodic = frozenset(axis for axis, word in boundaries.items() if word == "pp")
+        return Box(sides, periodic)
 
     def _read_atoms(self, names: list[str]) -> Frame:
         """Read the atoms of one frame."""
         if self.count is None:
             self.lines.refuse("atoms", "the number of atoms before")
         axes = self.options.axes
-        place_names = {axis: f"{axis}u" if f"{axis}u" in names else axis for axis in axes}
-        wrapped = [axis for axis in axes if place_names[axis] == axis]
-        images = {axis: f"i{axis}" for axis in wrapped if f"i{axis}" in names}
-        speeds = [name for name in SPEEDS if name in names]
-        types = [] if self.options.type is None else ["type"]
-        wanted = ["id", *speeds, *place_names.values(), *images.values(), *types]
+        place_names: dict[str, str] = {}
+        image_names: dict[str, str] = {}
+        wrapped_axes: set[str] = set()
+        for axis in axes:
+            place_names[axis] = axis
+            if f"{axis}u" in names:
+                place_names[axis] = f"{axis}u"
+            elif f"i{axis}" in names:
+                image_names[axis] = f"i{axis}"
+            else:
+                wrapped_axes.add(axis)
+        stated = [*present(SPEEDS, names), *_type_column(self.options)]
+        wanted = ["id", *stated, *place_names.values(), *image_names.values()]
         atoms = self.lines.columns(self.count, names, wanted)
-        columns = {name: atoms[name] for name in (*speeds, *types)}
+        columns = {name: atoms[name] for name in stated}
         columns["tracer"] = atoms["id"]
         for axis, name in place_names.items():
             columns[axis] = atoms[name]
-            if axis in images and self.box is not None:
-                columns[axis] = columns[axis] + self.box.sides[axis] * atoms[images[axis]]
+            if axis in image_names and self.box is not None:
+                crossed = self.box.sides[axis] * floats_of(atoms, image_names[axis])
+                columns[axis] = floats_of(atoms, name) + crossed
         wrapped_box = None
-        if self.box is not None and set(wrapped) - set(images):
-            periodic = self.box.periodic & (set(wrapped) - set(images))
-            wrapped_box = Box(self.box.sides, frozenset(periodic))
+        if self.box is not None and wrapped_axes:
+            wrapped_box = Box(self.box.sides, self.box.periodic & wrapped_axes)
         self.wrapped_boxes.append(wrapped_box)
         return Frame(self._time_of_frame(), columns)
 
     def _time_of_frame(self) -> float:
         """Return the time of a frame, and forget it."""
-        time, step = self.time, self.step
+        time = self.time
+        step = self.step
         self.time = None
         self.step = None
         if time is not None:
@@ -239,16 +272,15 @@ def read_xyz(path: Path, where: str, options: DataOptions) -> Table:
     lines = _Lines(path, where)
     for line in lines:
         count = lines.whole_number(line)
-        pairs = _PAIR.findall(lines.next())
-        stated = {key.lower(): value.strip('"') for key, value in pairs}
+        stated: dict[str, str] = {}
+        for key, value in _PAIR.findall(lines.next()):
+            stated[key.lower()] = value.strip('"')
         names = _property_columns(lines, stated)
         time = _time_of_xyz(lines, where, stated, options)
         boxes.append(_box_of_xyz(lines, stated))
-        types = [] if options.type is None else ["type"]
-        speeds = [name for name in SPEEDS if name in names]
-        tracer = [name for name in ("tracer",) if name in names]
-        columns = lines.columns(count, names, [*options.axes, *speeds, *tracer, *types])
-        columns = {"tracer": np.arange(count)} | columns
+        wanted = [*options.axes, *present((*SPEEDS, "tracer"), names), *_type_column(options)]
+        columns: dict[str, Column] = {"tracer": np.arange(count)}
+        columns |= lines.columns(count, names, wanted)
         frames.append(Frame(time, columns))
     box = common_box(where, boxes)
     return table_of_frames(where, frames, options, box)
@@ -290,7 +322,10 @@ def _box_of_xyz(lines: _Lines, stated: dict[str, str]) -> Box | None:
     if len(lattice) != 9 or len(flags) != 3:
         return None
     cell = np.array([lines.number(text) for text in lattice]).reshape(3, 3)
-    periodic = [axis for axis, flag in zip(AXES, flags, strict=True) if flag.upper()[:1] in "T1"]
+    periodic = set()
+    for axis, flag in zip(AXES, flags, strict=True):
+        if flag.upper()[:1] in "T1":
+            periodic.add(axis)
     if periodic and np.any(cell != np.diag(np.diagonal(cell))):
         lines.refuse("a slanted box", "rectangular")
     sides = dict(zip(AXES, np.diagonal(cell).tolist(), strict=True))
@@ -326,20 +361,23 @@ def read_gsd(path: Path, where: str, options: DataOptions) -> Table:
             budget.take(bytes_of_numbers(int(snapshot.particles.N) * COLUMNS_OF_GSD, 8.0))
             frames.append(_frame_of_gsd(where, snapshot, stated[index], has_images, options))
             boxes.append(_box_of_gsd(where, snapshot))
-    box = None if has_images else common_box(where, boxes)
-    return table_of_frames(where, frames, options, box)
+    if has_images:
+        return table_of_frames(where, frames, options)
+    return table_of_frames(where, frames, options, common_box(where, boxes))
 
 
-def _stated_in_gsd(file: Any, index: int) -> set[str]:
+def _stated_in_gsd(file: gsd.fl.GSDFile, index: int) -> set[str]:
     """Return the quantities of particles that a frame states; in the first, positions are."""
-    names = {"position", "velocity", "image"}
-    stated = {name for name in names if file.chunk_exists(frame=index, name=f"particles/{name}")}
+    stated = set()
+    for name in ("position", "velocity", "image"):
+        if file.chunk_exists(frame=index, name=f"particles/{name}"):
+            stated.add(name)
     if index == 0:
         stated.add("position")  # those that are not written are zero
     return stated
 
 
-def _box_of_gsd(where: str, snapshot: Any) -> Box:
+def _box_of_gsd(where: str, snapshot: gsd.hoomd.Frame) -> Box:
     """Return the box of a frame; it is periodic, and as in the first frame if none is stated."""
     box = np.asarray(snapshot.configuration.box, float)
     if np.any(box[3:] != 0):
@@ -349,16 +387,18 @@ def _box_of_gsd(where: str, snapshot: Any) -> Box:
 
 
 def _frame_of_gsd(
-    where: str, snapshot: Any, stated: set[str], has_images: bool, options: DataOptions
+    where: str, snapshot: gsd.hoomd.Frame, stated: set[str], has_images: bool, options: DataOptions
 ) -> Frame:
     """Return one frame by our names, of what it states."""
-    n_axes = 3 if snapshot.configuration.dimensions == 3 else 2
+    n_axes = 2
+    if snapshot.configuration.dimensions == 3:
+        n_axes = 3
     particles = snapshot.particles
     positions = np.asarray(particles.position, float)
     if has_images:
         sides = np.asarray(snapshot.configuration.box, float)[:3]
         positions = positions + np.asarray(particles.image) * sides
-    columns: dict[str, NDArray[Any]] = {"tracer": np.arange(int(particles.N))}
+    columns: dict[str, Column] = {"tracer": np.arange(int(particles.N))}
     columns |= dict(zip(AXES[:n_axes], positions.T, strict=False))
     if "velocity" in stated:
         velocities = np.asarray(particles.velocity, float)

@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-MEAN_FREE_PATH = 12.5  # l in d, of the paper's number density 0.04
-RESTITUTIONS = (0.0, 0.2, 0.5, 0.7, 0.95, 0.99)  # those of the table "benchmark"
+#: Mean free path in d. Derived: 1/(2 n) of the paper's number density n = 0.04 d^-2.
+MEAN_FREE_PATH = 12.5
+#: Initial states of the table "benchmark", those of the paper.
 STARTS = ("gaussian", "monoenergetic")
-# name: first and last time in d/U, and how many, log-spaced
+#: Name of a horizon -> its first and last time in d/U, and how many times it has, log-spaced.
 HORIZONS = {"short": (0.1, 1e2, 25), "long": (1.0, 1e8, 25)}
 
 

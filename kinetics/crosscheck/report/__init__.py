@@ -100,7 +100,9 @@ class Report:
             f"{name}.html": html,
             f"{name}.json": dumps(self.document),
         }
-        tables = {key: pd.DataFrame(records) for key, records in self.story.tables.items()}
+        tables: dict[str, pd.DataFrame] = {}
+        for key, records in self.story.tables.items():
+            tables[key] = pd.DataFrame(records)
         tables["rows"] = self.table
         tables["points"] = rows.points(self.results)
         for key, table in tables.items():
@@ -115,8 +117,10 @@ def _versions() -> Mapping[str, str]:
     """Return the version of this package and of those that it rests on."""
     from kinetics import __version__
 
-    own = {"inelastic-lorentz": __version__}
-    return own | {package: version(package) for package in PACKAGES}
+    versions = {"inelastic-lorentz": __version__}
+    for package in PACKAGES:
+        versions[package] = version(package)
+    return versions
 
 
 def make_report(system: "System", progress: Progress | None = None, command: str = "") -> Report:

@@ -65,8 +65,9 @@ def derive(system: System) -> list[AlgebraRow]:
         labels = [f"beyond:{name}" for name in words.algebra[kind]]
     if not labels:
         return []
-    return [
-        AlgebraRow(
+    rows = []
+    for check in verify(labels):
+        row = AlgebraRow(
             label=check.label,
             title=check.title,
             proof=check.proof,
@@ -78,8 +79,8 @@ def derive(system: System) -> list[AlgebraRow]:
             derived=_text_of(check.derived),
             numbers={number.name: float(number.value) for number in check.numbers},
         )
-        for check in verify(labels)
-    ]
+        rows.append(row)
+    return rows
 
 
 def _text_of(formula: object) -> str:
@@ -93,17 +94,14 @@ def errata(checks: Sequence[AlgebraRow]) -> list[Erratum]:
     """Return those of the formulas that are errata, in the order of the paper."""
     from derivations import ERRATA
 
-    by_label = {check.label: check for check in checks if check.status == ERRATUM}
-    return [
-        Erratum(
-            item.label,
-            cite(f"eq. {item.label}"),
-            by_label[item.label].title,
-            in_symbols(item.changes),
-        )
-        for item in ERRATA
-        if item.label in by_label
-    ]
+    titles = {check.label: check.title for check in checks if check.status == ERRATUM}
+    errata_of_report = []
+    for item in ERRATA:
+        if item.label in titles:
+            equation = cite(f"eq. {item.label}")
+            change = in_symbols(item.changes)
+            errata_of_report.append(Erratum(item.label, equation, titles[item.label], change))
+    return errata_of_report
 
 
 #: How a page writes what a terminal shows in plain letters.

@@ -127,6 +127,10 @@ class Case:
     sizes: dict[str, SampleSize]
     places: Mapping[str, Place]
 
+    def measured_of(self, observable: str) -> dict[str, Measured]:
+        """Return one observable as every source has measured it."""
+        return {source: estimates[observable] for source, estimates in self.measured.items()}
+
 
 @dataclass(frozen=True, kw_only=True)
 class ScalingStates:

@@ -49,16 +49,17 @@ from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, o
 #: Last time in d/U of the equation alone. Chosen: far beyond every simulation, so that figures
 #: show what is reached in the end.
 LATEST_TIME = 1e9
-#: Output times up to there: about six in a decade.
+#: Output times up to there. Chosen: about six in a decade.
 N_LATE_TIMES = 55
-#: Times in d/U at which <r^2> of a printed formula is its limit a + b ln t, to rounding.
+#: Times in d/U at which <r^2> of a printed formula is its limit a + b ln t, to rounding:
+#: of two of them a and b follow. Chosen: far apart, and within the range of doubles.
 LIMIT_TIMES = np.array([1e150, 1e300])
 #: Independent groups of the Boltzmann-Grad tracers. An error from 100 groups is known to 7 %.
 FREE_GROUPS = 100
 #: Gauss nodes in a bin over which F(c) is averaged. The origin is not recorded.
 NODES_PER_BIN = 8
-#: Samples that a bin must expect to be compared at all, where bins are not merged. At 50 the
-#: distribution of the count is close to a Gaussian.
+#: Samples that a bin must expect to be compared at all, where bins are not merged. Chosen: at
+#: 50 the distribution of the count is close to a Gaussian.
 MIN_SAMPLES_PER_BIN = 50
 #: Columns of the final states of tracers that are no components of the displacement.
 NOT_DISPLACEMENT = [outputs.LN_SPEED, outputs.LN_TIME, outputs.FINAL_COLLISIONS]
@@ -133,8 +134,11 @@ class CoolingRun:
 def run_cooling(system: Cooling, tell: Progress) -> list[CoolingCase]:
     """Run everything for each restitution; ValueError for what cannot be simulated."""
     with ThreadPoolExecutor(1) as beside:  # the solver works while tracers are followed
-        runs = [CoolingRun.of(system, index) for index in range(len(system.restitutions))]
-        return [_run_case(run, tell, beside) for run in runs]
+        cases = []
+        for index in range(len(system.restitutions)):
+            run = CoolingRun.of(system, index)
+            cases.append(_run_case(run, tell, beside))
+        return cases
 
 
 def _run_case(run: CoolingRun, tell: Progress, beside: ThreadPoolExecutor) -> CoolingCase:
@@ -149,8 +153,14 @@ def _run_case(run: CoolingRun, tell: Progress, beside: ThreadPoolExecutor) -> Co
     tell(f"{name}: kinetic equation")
     solutions = solving.result()
     shares = BinShares.of(solutions, system.dimension)
-    ensembles = {FREE: free, system.hard: hard}
-    finals = {source: FinalStates.of(ensemble) for source, ensemble in ensembles.items()}
+    measured: dict[str, dict[str, Measured]] = {}
+    sizes: dict[str, SampleSize] = {}
+    tests: dict[str, dict[str, DensityTest]] = {}
+    for source, ensemble in ((FREE, free), (system.hard, hard)):
+        states = FinalStates.of(ensemble)
+        measured[source] = _measure(ensemble, states, run)
+        sizes[source] = SampleSize(ensemble.media, ensemble.tracers)
+        tests[source] = _density_tests(states, shares)
     places = {name: Place("time", run.times) for name in OVER_TIME}
     places["scaled_vdf"] = Place("c", SPEEDS)
     places["position"] = Place("distance", DISTANCES)
@@ -159,19 +169,13 @@ def _run_case(run: CoolingRun, tell: Progress, beside: ThreadPoolExecutor) -> Co
         value=run.restitution,
         dimension=system.dimension,
         times=run.times,
-        measured={
-            source: _measure(ensemble, finals[source], run)
-            for source, ensemble in ensembles.items()
-        },
+        measured=measured,
         theory=_theory(run, solutions, shares),
-        sizes={
-            source: SampleSize(ensemble.media, ensemble.tracers)
-            for source, ensemble in ensembles.items()
-        },
+        sizes=sizes,
         places=places,
         early=run.early,
         solutions=solutions,
-        tests={source: _density_tests(states, shares) for source, states in finals.items()},
+        tests=tests,
     )
 
 
@@ -340,10 +344,12 @@ class FinalStates:
 def _measure(ensemble: Ensemble, states: FinalStates, run: CoolingRun) -> dict[str, Measured]:
     """Return everything that is measured in a run."""
     times = run.times
-    averages = {name: getattr(ensemble, name) for name in OVER_TIME}
-    measured = {name: Measured.of(estimate) for name, estimate in averages.items()}
+    measured: dict[str, Measured] = {}
+    values: dict[str, FloatArray] = {}
+    for name in OVER_TIME:
+        measured[name] = Measured.of(getattr(ensemble, name))
+        values[name] = measured[name].value
     half_rate = run.system.half_rate
-    values = {name: estimate.value for name, estimate in averages.items()}
     rates = estimates.late_rates(times, values, run.early, half_rate)
     sums = sample_of_ensemble(ensemble).sums  # of each configuration
     without = np.moveaxis(sums.sum(axis=0) - sums, -1, 0)

@@ -153,17 +153,19 @@ def run_driven(system: Driven, tell: Progress) -> list[DrivenCase]:
 
 def _run_case(system: Driven, value: float, tell: Progress) -> DrivenCase:
     """Run particles and the solver; tell progress twice."""
-    name = f"{system.parameter} = {value:g} among {system.scatterers}"
-    tell(f"{name}: kinetic equation")
+    case_name = f"{system.parameter} = {value:g} among {system.scatterers}"
+    tell(f"{case_name}: kinetic equation")
     run = DrivenRun.of(system, value)
     solution = run.solve()
-    tell(f"{name}: {FREE} particles")
+    tell(f"{case_name}: {FREE} particles")
     tracers = min(system.collisions / float(solution.collisions[-1]), system.most_tracers)
     ensemble = run.follow(tracers, run.times, 0)
-    over_time = {name: np.asarray(getattr(solution, name)) for name in run.averages}
-    measured = {
-        name: Measured.of(getattr(ensemble, name)) for name in over_time if name != "mean_velocity"
-    }
+    over_time: dict[str, FloatArray] = {}
+    measured: dict[str, Measured] = {}
+    for name in run.averages:
+        over_time[name] = np.asarray(getattr(solution, name))
+        if name != "mean_velocity":
+            measured[name] = Measured.of(getattr(ensemble, name))
     if "field" in system.drive:
         over_time["drift_from_rest"] = over_time.pop("mean_velocity")[:, 0]
         measured["drift_from_rest"] = Measured.of(ensemble.drift)

@@ -112,12 +112,13 @@ def jackknifed(
     by_group : averages of each group, (n_groups,)
     quantities : maps averages, by name, to quantities, by name
     """
-    means = {name: np.asarray(groups.mean()) for name, groups in by_group.items()}
-    without = {
-        name: (groups.sum() - groups) / (groups.size - 1) for name, groups in by_group.items()
-    }
-    values = quantities(means)
-    replicates = quantities(without)
-    return {
-        name: Measured(value, jackknife_error(replicates[name])) for name, value in values.items()
-    }
+    means: dict[str, FloatArray] = {}
+    means_without_group: dict[str, FloatArray] = {}
+    for name, groups in by_group.items():
+        means[name] = np.asarray(groups.mean())
+        means_without_group[name] = (groups.sum() - groups) / (groups.size - 1)
+    replicates = quantities(means_without_group)
+    estimates: dict[str, Measured] = {}
+    for name, value in quantities(means).items():
+        estimates[name] = Measured(value, jackknife_error(replicates[name]))
+    return estimates

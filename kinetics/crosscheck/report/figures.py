@@ -67,8 +67,10 @@ MAX_ERROR_OF_VDF = 0.15
 SHOWN_SPEEDS = np.linspace(0.01, 2.5, 120)
 #: R at which G(R) is drawn.
 SHOWN_RADII = np.linspace(0.04, 6.0, 120)
-#: Range of G(R) that is shown.
-POSITION_LIMITS = (1e-5, 3.0)
+#: Lowest G(R) that is shown. The origin of the number is not recorded.
+LOWEST_POSITION_DENSITY = 1e-5
+#: Highest G(R) that is shown. The origin of the number is not recorded.
+HIGHEST_POSITION_DENSITY = 3.0
 #: Radius from which on the paper's tail is drawn.
 TAIL_FROM = 1.0
 #: F near c = 0 over the equation's from which on the caption explains it.
@@ -270,7 +272,7 @@ def position(system: Cooling, cases: Sequence[CoolingCase]) -> Picture:
     radii = SHOWN_RADII
     for case, ax in panels:
         ax.set_yscale("log")
-        ax.set_ylim(POSITION_LIMITS)
+        ax.set_ylim(LOWEST_POSITION_DENSITY, HIGHEST_POSITION_DENSITY)
         density = case.solutions.position.scaled_position_density(radii)[-1]
         shown = np.where(density > 0, density, np.nan)
         sheet.line(ax, KINETIC, radii, shown, case.value, in_legend=False)
@@ -319,11 +321,16 @@ def _draw_over_restitution(system: Driven, cases: Sequence[DrivenCase], *observa
     top, below = sheet.axes
     e: FloatArray = np.array([case.value for case in cases])
     for index, name in enumerate(observables):
-        estimates_of_cases = [case.measured[FREE][name] for case in cases]
-        values = np.array([estimate.value for estimate in estimates_of_cases])
-        errors = np.array([estimate.error for estimate in estimates_of_cases])
-        measured = Measured(values, errors)
-        solved = np.array([float(case.theory[SOLVER][name]) for case in cases])
+        values = []
+        errors = []
+        solutions = []
+        for case in cases:
+            estimate = case.measured[FREE][name]
+            values.append(estimate.value)
+            errors.append(estimate.error)
+            solutions.append(float(case.theory[SOLVER][name]))
+        measured = Measured(np.array(values), np.array(errors))
+        solved = np.array(solutions)
         group = Group(report_words().observables[name].short, index)
         sheet.line(top, SOLVER, e, solved, group)
         sheet.points(top, FREE, e, measured, group)

@@ -124,11 +124,10 @@ def _summary(document: Document) -> HtmlTable:
     for record in document["tables"]["summary"]:
         cells = cells_by_quantity.setdefault(record["quantity"], {})
         cells[record["restitution"]] = _summary_cell(record)
-    values = sorted({value for cells in cells_by_quantity.values() for value in cells})
-    lines = [
-        [quantity, *(cells.get(value, NO_VALUE) for value in values)]
-        for quantity, cells in cells_by_quantity.items()
-    ]
+    values = sorted(set().union(*cells_by_quantity.values()))
+    lines = []
+    for quantity, cells in cells_by_quantity.items():
+        lines.append([quantity, *map(cells.get, values, repeat(NO_VALUE))])
     return HtmlTable(_heads(document, values), lines)
 
 

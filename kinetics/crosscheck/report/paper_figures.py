@@ -64,10 +64,14 @@ RADII = np.linspace(0.02, 6.0, 150)
 SPEEDS = np.linspace(0.01, 3.0, 150)
 #: Name of the broken line of figure 8.
 OTHER_ROOT = "root of eq. (B17)"
-#: Range of G(R) that is shown.
-POSITION_LIMITS = (1e-4, 2.0)
-#: Range of F(c) that is shown.
-VDF_LIMITS = (1e-5, 1.0)
+#: Lowest G(R) that is shown. The origin of the number is not recorded.
+LOWEST_POSITION_DENSITY = 1e-4
+#: Highest G(R) that is shown. The origin of the number is not recorded.
+HIGHEST_POSITION_DENSITY = 2.0
+#: Lowest F(c) that is shown. The origin of the number is not recorded.
+LOWEST_VDF = 1e-5
+#: Highest F(c) that is shown. The origin of the number is not recorded.
+HIGHEST_VDF = 1.0
 #: Height in inches of a figure with one panel.
 HEIGHT = 3.4
 #: Impact parameter over d of the collision that figures 1 and 7 show.
@@ -255,11 +259,11 @@ def thermal_velocity(system: Cooling, cases: Sequence[CoolingCase]) -> PaperFigu
     ax.set_xscale("log")
     ax.set_yscale("log")
     slopes = []
+    late_slopes = []
     for case in cases:
         loss = 1.0 - case.value
         points = {}
-        for source, measured in case.measured.items():
-            speed = measured["thermal_speed"]
+        for source, speed in case.measured_of("thermal_speed").items():
             slowness = 1.0 / speed.value
             points[source] = Measured(
                 (slowness - 1.0 / INITIAL_V0) / loss, speed.error * slowness**2 / loss
@@ -268,20 +272,18 @@ def thermal_velocity(system: Cooling, cases: Sequence[CoolingCase]) -> PaperFigu
         sheet.line(ax, KINETIC, case.times, (of_equation - 1.0 / INITIAL_V0) / loss, case.value)
         _draw_particles(sheet, ax, case, case.times, points)
         slopes.append(float(points[system.hard].last.value) / case.times[-1])
+        exact_rate = float(case.theory[EXACT]["cooling_rate"])
+        late_slopes.append(system.number_density * exact_rate / (1.0 - case.value))
     times = np.array([case.times for case in cases])
     ends = np.array([times.min(), times.max()])
     sheet.line(ax, "paper: 0.058 t", ends, SLOPE_OF_FIGURE_2 * ends)
-    exact = [
-        system.number_density * float(case.theory[EXACT]["cooling_rate"]) / (1.0 - case.value)
-        for case in cases
-    ]
     figure = sheet.finish("$t$  [d/U]", "$J = (1/v_0(t)-1/v_0(0))/(1-e)$  [1/U]")
     return PaperFigure(
         2,
         "the thermal speed",
         "J(t) of all four e on one straight line, 0.058 t U/d.",
         f"At its last times J/t is {span(slopes, '.3f')} among hard disks, close to one line; in "
-        f"the end the dilute gas has {span(exact, '.4f')}, which differs with e.",
+        f"the end the dilute gas has {span(late_slopes, '.4f')}, which differs with e.",
         figure,
     )
 
@@ -320,10 +322,9 @@ def _draw_scaled_msd(
     """Draw <r^2> times a factor, of the equation and of the particles, over a common abscissa."""
     of_equation = np.asarray(case.theory[KINETIC]["msd"])
     sheet.line(ax, KINETIC, abscissa, factor * of_equation, case.value)
-    points = {
-        source: Measured(measured["msd"].value * factor, measured["msd"].error * factor)
-        for source, measured in case.measured.items()
-    }
+    points: dict[str, Measured] = {}
+    for source, msd in case.measured_of("msd").items():
+        points[source] = Measured(msd.value * factor, msd.error * factor)
     _draw_particles(sheet, ax, case, abscissa, points)
 
 
@@ -333,6 +334,7 @@ def mean_square_displacement(system: Cooling, cases: Sequence[CoolingCase]) -> P
     (ax,) = sheet.axes
     ax.set_xscale("log")
     over_walk = []
+    slopes = []
     for case in cases:
         rate = sonine.beta(case.value, system.number_density)
         factor = float(np.log1p(sonine.FITTED_FREE_PATH * rate))
@@ -342,10 +344,8 @@ def mean_square_displacement(system: Cooling, cases: Sequence[CoolingCase]) -> P
         sheet.line(ax, FIT, abscissa, factor * walk)
         at_the_end = float(case.measured[system.hard]["msd"].last.value)
         over_walk.append(100.0 * (at_the_end / walk[-1] - 1.0))
-    slopes = [
-        float(case.theory[FIT]["msd_slope"]) / float(case.theory[EXACT]["msd_slope"])
-        for case in cases
-    ]
+        exact_slope = float(case.theory[EXACT]["msd_slope"])
+        slopes.append(float(case.theory[FIT]["msd_slope"]) / exact_slope)
     figure = sheet.finish("$(1-e)\\,t$  [d/U]", "$\\langle r^2\\rangle\\ln(1+l\\beta)$  [d²]")
     return PaperFigure(
         4,
@@ -395,17 +395,17 @@ def position_distribution(system: Cooling, cases: Sequence[CoolingCase]) -> Pape
     sheet = Sheet(system, (HEIGHT,))
     (ax,) = sheet.axes
     ax.set_yscale("log")
-    ax.set_ylim(POSITION_LIMITS)
+    ax.set_ylim(LOWEST_POSITION_DENSITY, HIGHEST_POSITION_DENSITY)
     for case in cases:
         density = case.solutions.position.scaled_position_density(RADII)[-1]
         sheet.line(ax, KINETIC, RADII, np.where(density > 0.0, density, np.nan), case.value)
-        points = {source: measured["position"] for source, measured in case.measured.items()}
+        points = case.measured_of("position")
         _draw_particles(sheet, ax, case, estimates.DISTANCES, points)
     sheet.line(ax, PEAK, RADII, sonine.position_peak(RADII))
     far = RADII[RADII > 1.0]
     sheet.line(ax, TAIL, far, sonine.position_tail(far))
     ax.set_xlim(0.0, RADII[-1])
-    exponents = [exponent for exponent in map(tail_exponent, cases) if math.isfinite(exponent)]
+    exponents = map(tail_exponent, cases)
     figure = sheet.finish("$R = r/\\sqrt{\\langle r^2\\rangle}$", "$G(R)$")
     return PaperFigure(
         5,
@@ -423,10 +423,10 @@ def velocity_distribution(system: Cooling, cases: Sequence[CoolingCase]) -> Pape
     sheet = Sheet(system, (HEIGHT,))
     (ax,) = sheet.axes
     ax.set_yscale("log")
-    ax.set_ylim(VDF_LIMITS)
+    ax.set_ylim(LOWEST_VDF, HIGHEST_VDF)
     for case in cases:
         sheet.line(ax, KINETIC, SPEEDS, last_vdf(case.solutions.kinetic, SPEEDS), case.value)
-        points = {source: measured["scaled_vdf"] for source, measured in case.measured.items()}
+        points = case.measured_of("scaled_vdf")
         _draw_particles(sheet, ax, case, estimates.SPEEDS, points)
     sheet.line(ax, GAUSSIAN, SPEEDS, gaussian_vdf(SPEEDS, 2))
     a2 = [float(case.theory[EXACT]["a2"]) for case in cases]

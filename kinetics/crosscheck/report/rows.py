@@ -20,6 +20,7 @@ from kinetics.crosscheck.report.cases import (
     OVER_TIME,
     SOLVER,
     SONINE,
+    Case,
     CoolingCase,
     DensityTest,
     DrivenCase,
@@ -384,7 +385,8 @@ def _hard(case: CoolingCase) -> str:
 def records(table: pd.DataFrame) -> list[Row]:
     """Return the rows as dictionaries; None where a column has no value."""
     filled = table.astype(object).where(table.notna(), None)
-    return [{str(key): value for key, value in row.items()} for row in filled.to_dict("records")]
+    filled.columns = filled.columns.astype(str)
+    return filled.to_dict("records")
 
 
 def points(results: Results) -> pd.DataFrame:
@@ -395,16 +397,20 @@ def points(results: Results) -> pd.DataFrame:
             for name, estimate in estimates.items():
                 place = case.places.get(name)
                 frame = _points_of(name, estimate.value, estimate.error, place)
-                frames.append((case, source, frame))
+                frames.append(_with_source(frame, case, source))
         for source, theory in case.theory.items():
             for name, values in theory.items():
                 frame = _points_of(name, values, np.nan, case.places.get(name))
-                frames.append((case, source, frame))
-    for case, source, frame in frames:
-        frame.insert(0, "system", case.system)
-        frame.insert(1, "restitution", case.value)
-        frame.insert(2, "source", source)
-    return pd.concat([frame for _, _, frame in frames], ignore_index=True)
+                frames.append(_with_source(frame, case, source))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _with_source(frame: pd.DataFrame, case: Case, source: str) -> pd.DataFrame:
+    """Return points with columns that say of what system they are, and of which source."""
+    frame.insert(0, "system", case.system)
+    frame.insert(1, "restitution", case.value)
+    frame.insert(2, "source", source)
+    return frame
 
 
 def _points_of(

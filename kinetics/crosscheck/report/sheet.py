@@ -44,14 +44,21 @@ VARIABLES = {
 MARKERS = "os^DvP"
 STYLE = str(files("kinetics.crosscheck") / "templates" / "report.mplstyle")
 
-# Strokes as matplotlib takes them: offset, then lengths of dashes and gaps in line widths.
-# Dashes.
-DASHED = (0, (4, 2))
-# Dots.
-DOTTED = (0, (1, 1.5))
-# Dashes and dots in turns.
-DASH_DOTTED = (0, (6, 1.5, 1, 1.5))
+#: Stroke of a line as matplotlib takes it: a name, or an offset and a sequence of lengths.
 LineStyle = Literal["-", "none"] | tuple[float, Sequence[float]]
+
+
+def stroke(*lengths: float) -> LineStyle:
+    """Return a stroke without offset; lengths of dash, gap, dash, gap, ... in line widths."""
+    return 0, lengths
+
+
+#: Stroke of dashes, as long as they can be told from dots. Its lengths' origin is not recorded.
+DASHED = stroke(4, 2)
+#: Stroke of dots. The origin of its lengths is not recorded.
+DOTTED = stroke(1, 1.5)
+#: Stroke of dashes and dots in turns. The origin of its lengths is not recorded.
+DASH_DOTTED = stroke(6, 1.5, 1, 1.5)
 CORRECTED = "corrected equation"
 INTEGRAL = "paper's integral"
 PEAK = "paper, peak"

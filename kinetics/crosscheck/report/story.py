@@ -103,12 +103,13 @@ def span(values: Iterable[float], form: str) -> str:
 
 def range_of_differences(values: Sequence[float]) -> str:
     """Return relative differences as a range of per cent: "15 to 20 % below"."""
-    percents = [100 * value for value in values]
-    is_coarse = all(abs(percent) >= WHOLE_PERCENTS_FROM for percent in percents)
-    form = ".0f" if is_coarse else ".1f"
-    if all(percent < 0 for percent in percents):
-        return f"{span([-percent for percent in percents], form)} % below"
-    if all(percent > 0 for percent in percents):
+    percents = 100 * np.asarray(values, float)
+    form = ".1f"
+    if np.all(np.abs(percents) >= WHOLE_PERCENTS_FROM):
+        form = ".0f"
+    if np.all(percents < 0):
+        return f"{span(-percents, form)} % below"
+    if np.all(percents > 0):
         return f"{span(percents, form)} % above"
     return f"{span(percents, '+' + form)} % from"
 

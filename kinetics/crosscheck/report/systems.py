@@ -197,20 +197,25 @@ class DriveOfReport:
     initial : the initial state
     values : usual restitutions (of viscoelastic scatterers: usual b)
     collisions : about so many in each run, which sets the number of its tracers
+    quick_values : instead of `values` in a quick report; empty: the same
     """
 
     arguments: Mapping[str, float]
     initial: str
     values: tuple[float, ...]
     collisions: int
+    quick_values: tuple[float, ...] = ()
 
 
+#: What may drive the tracers of a report, by name. The origin of the numbers of collisions is not
+#: recorded.
 DRIVES = {
     "field": DriveOfReport(
         {"field": 1.0},
         "rest",
         (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98),
         8_000_000,
+        quick_values=(0.0, 0.5, 0.9),
     ),
     # Scatterers that move, infinitely heavy.
     "bath": DriveOfReport({"bath_speed": 1.0}, "gaussian", (0.5,), 10_000_000),
@@ -219,9 +224,8 @@ DRIVES = {
     # Nothing drives; the restitution falls with the impact speed, and the values are those of b.
     "viscoelastic": DriveOfReport({}, "gaussian", (0.45,), 10_000_000),
 }
+#: Name in `DRIVES` of scatterers whose restitution falls with the impact speed.
 VISCOELASTIC = "viscoelastic"
-#: Restitutions of a quick report in a field.
-QUICK_RESTITUTIONS = (0.0, 0.5, 0.9)
 
 
 @dataclass
@@ -314,9 +318,9 @@ class Driven(System):
     def quick(self) -> Self:
         """Return the system with fewer samples, and fewer restitutions unless others are asked."""
         restitutions = self.restitutions
-        usual = DRIVES[self.name].values
-        if restitutions == usual and len(usual) > len(QUICK_RESTITUTIONS):
-            restitutions = QUICK_RESTITUTIONS
+        usual = DRIVES[self.name]
+        if usual.quick_values and restitutions == usual.values:
+            restitutions = usual.quick_values
         return replace(
             self,
             restitutions=restitutions,

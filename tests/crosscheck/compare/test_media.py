@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import fit
-from particles import HardDisks, simulate
+from kinetics import compare, fit
+from particles import Ensemble, HardDisks, simulate
 
 
 @cache
@@ -52,3 +52,22 @@ def test_undecided_media_have_one_value_between_theirs_with_an_error_that_reache
     for parameter in of_medium.values():
         assert abs(value - parameter.value) < error
         assert error > 0.95 * parameter.error
+
+
+@cache
+def run_among_hard_disks() -> Ensemble:
+    """20 tracers in each of 20 media, which says that its scatterers are hard disks."""
+    times = [0.0, 2.0, 5.0, 10.0, 20.0, 40.0]
+    return simulate(
+        HardDisks(0.04, 2000), 0.7, times=times, media=20, tracers=20, seed=3, workers=1
+    )
+
+
+@pytest.mark.parametrize(
+    "specified",
+    [{"number_density": 0.5}, {"restitution": 0.05}],
+    ids=["too dense", "too inelastic"],
+)
+def test_hard_disks_beyond_their_theory_are_taken_for_dilute(specified: dict[str, float]) -> None:
+    comparison = compare(run_among_hard_disks(), fitted=True, **specified)
+    assert comparison.medium == "dilute"

@@ -139,6 +139,24 @@ def test_h5md_edges_may_be_a_matrix(tmp_path: Path, run: Run) -> None:
     require_run(file, run)
 
 
+def test_h5md_position_without_its_image_is_missing(tmp_path: Path, run: Run) -> None:
+    missing = -9999
+    folded, image = inside(run)
+    image[2, 0] = missing
+    file = h5md(
+        tmp_path / "a.h5",
+        run,
+        place=folded,
+        boundary=["periodic"] * 2,
+        edges=[SIDE, SIDE],
+        image=image,
+    )
+    with h5py.File(file, "a") as opened:
+        opened["particles/all/image/value"].attrs["_FillValue"] = missing
+    sample = read_sample([file])
+    np.testing.assert_array_equal(sample.samples, [TRACERS, TRACERS, TRACERS - 1, TRACERS])
+
+
 def test_h5md_positions_that_leave_a_periodic_box_are_unwrapped(tmp_path: Path, run: Run) -> None:
     file = h5md(tmp_path / "a.h5", run, boundary=["periodic"] * 2, edges=[SIDE, SIDE])
     require_run(file, run)
