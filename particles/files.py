@@ -17,7 +17,7 @@ in the diameter d, times in d/U; columns in `outputs`:
 While a run goes on, its file is written whenever the time since the last writing is fifty times
 what that took: beside its target, and renamed, so that it is whole or the one before. All of it is
 checksummed by HDF5. A run that is killed goes on from its file, and leaves the same bytes as
-a whole one. Begin reading with `write` and `read`.
+a whole one; what it left half written is removed then. Begin reading with `write` and `read`.
 """
 
 import json
@@ -26,6 +26,7 @@ import secrets
 import time
 from contextlib import suppress
 from dataclasses import fields
+from glob import escape, glob
 from io import BytesIO
 from math import inf
 from os import PathLike
@@ -220,6 +221,8 @@ class Saver:
 
     def begin(self, resume: bool) -> Totals:
         """Return the totals to go on from, and make sure that the run can be saved."""
+        if resume:
+            remove_unfinished(self.path)
         if not os.path.isfile(self.path):
             totals = Totals(self.plan)
             self.write(totals)
@@ -250,7 +253,7 @@ def write_whole(path: str, contents: bytes) -> None:
     if os.path.exists(path) and not os.path.isfile(path):
         raise ValueError(f"{shown_path(path)}: is a folder, a device or a pipe, not a file")
     folder, name = os.path.split(os.path.realpath(path))
-    unfinished = os.path.join(folder, f".{name}.{secrets.token_hex(8)}.part")
+    unfinished = os.path.join(folder, _unfinished_name(name, secrets.token_hex(8)))
     try:
         with open(unfinished, "xb") as file:  # x: never through a symbolic link
             file.write(contents)
@@ -267,6 +270,19 @@ def write_whole(path: str, contents: bytes) -> None:
     finally:
         with suppress(OSError):
             os.unlink(unfinished)  # it is there only if something went wrong
+
+
+def remove_unfinished(path: str) -> None:
+    """Remove what processes left that were killed while they wrote this file."""
+    folder, name = os.path.split(os.path.realpath(path))
+    for left in glob(_unfinished_name(escape(name), "*"), root_dir=folder, include_hidden=True):
+        with suppress(OSError):
+            os.unlink(os.path.join(folder, left))
+
+
+def _unfinished_name(name: str, code: str) -> str:
+    """Return the name of a file while it is written; the code tells writers apart."""
+    return f".{name}.{code}.part"
 
 
 # -- H5MD ------------------------------------------------------------------------------------------

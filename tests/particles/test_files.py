@@ -231,6 +231,13 @@ def test_a_file_is_written_while_the_run_goes_on(
     assert len(seen) > 3
 
 
+def test_what_a_killed_process_left_half_written_is_removed_by_resuming(tmp_path: Path) -> None:
+    for name in (".run.h5.0123456789abcdef.part", ".other.h5.0123456789abcdef.part"):
+        (tmp_path / name).write_bytes(b"half")
+    simulate(**SMALL, output=tmp_path / "run.h5", resume=True)
+    assert sorted(os.listdir(tmp_path)) == [".other.h5.0123456789abcdef.part", "run.h5"]
+
+
 KILLED = """
     import sys
     from particles import Poisson, simulate
