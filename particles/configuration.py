@@ -318,6 +318,8 @@ def _varying(plan: Plan) -> "Varying | None":
     if not (drive.needs_clock or drive.depends_on_speed):
         return None
     lowest_octave, values = drive.restitution_table()
+    # Of bounces that follow one another without end, ever slower. Where slow tracers stick there are
+    # none, as they are captured before: with 1 the kernel looks for none.
     slowest = 1.0 if drive.capture_speed else float(values[0])
     return Varying(lowest_octave, values.copy(), drive.capture_speed, slowest)
 
@@ -351,8 +353,9 @@ def start_places(
 ) -> np.ndarray:
     """Return where n tracers from a number on start, shape (n, 4), as `placement.free_places`.
 
-    (0, 4) where all start at the centre: those that move, those without scatterers, and those among
-    `Positions` for which the user specified another start.
+    The columns are i, j of the cell, from the middle one, and x, y from its centre in d. Shape
+    (0, 4) stands for the place where all tracers of a medium start by default, its centre or the
+    start of `Positions`: there start those that move, and those of a start that the user specified.
     """
     from particles.kernel.tracer import AT_THE_CENTRE
     from particles.placement import free_places

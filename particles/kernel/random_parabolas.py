@@ -57,7 +57,11 @@ def _start(tracer: RandomParabolaTracer, batch: Batch, times: np.ndarray, number
 
 @inlined
 def _collide(tracer: RandomParabolaTracer, batch: Batch) -> None:
-    """Collide with a random impact parameter, and count the collision."""
+    """Collide with a random impact parameter, and count the collision.
+
+    `collide_at_random` turns the direction u and gives the ratio of the speeds. Here the restitution
+    is constant (None): with one that depends on the impact speed, `driven` follows the tracers.
+    """
     speed = sqrt(tracer.vx * tracer.vx + tracer.vy * tracer.vy + tracer.vz * tracer.vz)
     tracer.ux = tracer.vx / speed
     tracer.uy = tracer.vy / speed
@@ -112,17 +116,17 @@ def follow_random_parabolas(
                 status = outputs.FINISHED
                 duration = max(last_time - tracer.time, 0.0)
                 path = length_flown(tracer.vx, tracer.vy, tracer.vz, duration, field)
-            if passages.size:
+            if passages.size:  # flight_x: the depth where the flight began
                 record_passage(tracer, tracer.flight_x, duration, field, records)
             tracer.travelled += path
             move_in_field(tracer, duration, field)
             if status == outputs.RUNNING:
-                count_flight(histograms, path, duration, 0)
+                count_flight(histograms, path, duration, 0)  # 0: in a field time has one unit
                 _collide(tracer, batch)
                 if tracer.collisions >= batch.max_collisions > 0:
                     status = outputs.COLLISION_CAP
             if status != outputs.RUNNING:
-                find_slowness(tracer)
+                find_slowness(tracer)  # 1/v, by which `finish` records the final speed
                 finish(tracer, status, batch.first, records)
                 if launched == batch.size:
                     # The last lane, which has not had its turn, takes this one's place.

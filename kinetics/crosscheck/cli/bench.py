@@ -87,7 +87,7 @@ def stress(quick: bool, groups: tuple[str, ...], output: Path | None, as_json: b
     with progress() as tell:
         report = run_stress(quick, groups or None, tell, interrupted)
     _show(report, output, as_json)
-    return int(bool(report.rejected))
+    return int(bool(report.rejected))  # the status with which `kinetics.cli.main` ends
 
 
 def _show(report: WritableReport, output: Path | None, as_json: bool) -> None:

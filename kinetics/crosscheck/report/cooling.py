@@ -46,8 +46,8 @@ from kinetics.numerics.gauss import panels_between
 from kinetics.validation import refuse
 from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, outputs, simulate
 
-#: Last time in d/U of the equation alone. Chosen: far beyond every simulation, so that figures
-#: show what is reached in the end.
+#: Last time in d/U of the equation alone, or ten times that of the simulation where that is later.
+#: Chosen: far beyond the report's simulations, so that figures show what is reached in the end.
 LATEST_TIME = 1e9
 #: Output times up to there. Chosen: about six in a decade.
 N_LATE_TIMES = 55
@@ -200,10 +200,10 @@ def solve_all(run: CoolingRun) -> CoolingSolutions:
     system = run.system
     rtol = system.rtol
 
-    def solve(times: FloatArray, outputs: tuple[str, ...], rtol: float, **medium: str) -> Solution:
+    def solve(times: FloatArray, names: tuple[str, ...], rtol: float, **medium: str) -> Solution:
         arguments: dict[str, Any] = {**run.law.arguments, **medium}
         density = system.number_density
-        scene = Scene(number_density=density, times=times, outputs=outputs, **arguments)
+        scene = Scene(number_density=density, times=times, outputs=names, **arguments)
         return solve_quietly(scene, rtol)
 
     scaling = None
@@ -273,7 +273,7 @@ def _theory(
 ) -> dict[str, dict[str, Values]]:
     """Return what everybody says, by who says it and observable."""
     averages = {name: getattr(solutions.kinetic, name) for name in OVER_TIME}
-    half_rate = run.system.half_rate
+    half_rate = run.system.half_rate  # 1/(2 l)
     theory: dict[str, dict[str, Values]] = {
         KINETIC: {
             **averages,
@@ -349,7 +349,7 @@ def _measure(ensemble: Ensemble, states: FinalStates, run: CoolingRun) -> dict[s
     for name in OVER_TIME:
         measured[name] = Measured.of(getattr(ensemble, name))
         values[name] = measured[name].value
-    half_rate = run.system.half_rate
+    half_rate = run.system.half_rate  # 1/(2 l)
     rates = estimates.late_rates(times, values, run.early, half_rate)
     sums = sample_of_ensemble(ensemble).sums  # of each configuration
     without = np.moveaxis(sums.sum(axis=0) - sums, -1, 0)
