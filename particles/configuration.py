@@ -318,8 +318,8 @@ def _varying(plan: Plan) -> "Varying | None":
     if not (drive.needs_clock or drive.depends_on_speed):
         return None
     lowest_octave, values = drive.restitution_table()
-    # Of bounces that follow one another without end, ever slower. Where slow tracers stick there are
-    # none, as they are captured before: with 1 the kernel looks for none.
+    # Of bounces that follow one another without end, ever slower. Where slow tracers stick they are
+    # captured before: with 1 the kernel looks for no such bounces.
     slowest = 1.0 if drive.capture_speed else float(values[0])
     return Varying(lowest_octave, values.copy(), drive.capture_speed, slowest)
 

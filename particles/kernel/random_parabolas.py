@@ -59,8 +59,8 @@ def _start(tracer: RandomParabolaTracer, batch: Batch, times: np.ndarray, number
 def _collide(tracer: RandomParabolaTracer, batch: Batch) -> None:
     """Collide with a random impact parameter, and count the collision.
 
-    `collide_at_random` turns the direction u and gives the ratio of the speeds. Here the restitution
-    is constant (None): with one that depends on the impact speed, `driven` follows the tracers.
+    `collide_at_random` turns the direction u and gives the ratio of the speeds. The restitution is
+    constant (None): with one that depends on the impact speed, `driven` follows the tracers.
     """
     speed = sqrt(tracer.vx * tracer.vx + tracer.vy * tracer.vy + tracer.vz * tracer.vz)
     tracer.ux = tracer.vx / speed
