@@ -43,7 +43,7 @@ from kinetics.crosscheck.compare.selection import fit_times, row_times
 from kinetics.crosscheck.compare.starts import start_of
 from kinetics.crosscheck.data.averages import AveragesTable
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
-from kinetics.crosscheck.data.reading import read_averages, read_sample
+from kinetics.crosscheck.data.reading import read_data
 from kinetics.crosscheck.data.sample import R2, X2, Law, N, Sample
 from kinetics.crosscheck.data.tracks import MAX_SIZE
 from kinetics.drive import check_strengths
@@ -185,8 +185,10 @@ def compare_data(
         "check_motion": not (field or bath_speed or heating),
     }
     sources = _sources(data)
-    averages = _averages(sources, reading)
-    if averages is not None:
+    sample = _read(data, sources, reading)
+    if isinstance(sample, AveragesTable):
+        if field or bath_speed or heating:
+            refuse("field", "a drive", "averages are compared without a field, a bath or heating")
         not_of_averages = {
             "drag": drag,
             "capture_speed": capture_speed,
@@ -200,10 +202,7 @@ def compare_data(
         if number_density is not None:
             number_density = check_positive("number_density", number_density)
             number_density *= diameter ** (dimension or 2)
-        return compare_averages(
-            averages, restitution, number_density, initial, scatterers, dimension
-        )
-    sample = _sample(data, sources, reading)
+        return compare_averages(sample, restitution, number_density, initial, scatterers, dimension)
     if dimension is not None and dimension != sample.law.dimension:
         refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")
     sample = _with_axes(sample, strengths["field"], initial)
@@ -284,32 +283,18 @@ def _sources(data: Any) -> list[Path | Mapping[str, Any]] | None:
     return [data] if isinstance(data, Mapping) else None
 
 
-def _averages(
-    sources: Sequence[Path | Mapping[str, Any]] | None, reading: dict[str, Any]
-) -> AveragesTable | None:
-    """Return the table of averages that the only source is; None for something else.
-
-    InputError if something drives the tracers: there is no theory of such averages here.
-    """
-    if sources is None or len(sources) != 1:
-        return None
-    options = {name: value for name, value in reading.items() if name != "check_motion"}
-    averages = read_averages(sources[0], **options)
-    if averages is not None and not reading["check_motion"]:
-        refuse("field", "a drive", "averages are compared without a field, a bath or heating")
-    return averages
-
-
-def _sample(
+def _read(
     data: Any, sources: Sequence[Path | Mapping[str, Any]] | None, reading: dict[str, Any]
-) -> Sample:
-    """Return the sample of files or columns, of a run, or the one that the data are."""
+) -> Sample | AveragesTable:
+    """Return what files or columns hold, the sample of a run, or the sample that the data are."""
     if sources is not None:
-        sample = read_sample(sources, **reading)
+        sample = read_data(sources, **reading)
     elif isinstance(data, Sample):
         sample = data
     else:
         sample = sample_of_ensemble(data)
+    if isinstance(sample, AveragesTable):
+        return sample
     if sample.times.size and sample.times[-1] > MAX_SIZE:  # v^4 would underflow
         refuse("times", float(sample.times[-1]), f"they must be below {MAX_SIZE:g} d/U")
     return sample

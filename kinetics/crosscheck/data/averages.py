@@ -2,7 +2,7 @@
 
 One row for each time, with columns such as `t, v0, v0_error, msd, msd_error`. Nothing is known of
 how the averages of different times vary together: their errors are taken for independent.
-`reading.read_averages` reads them; begin with `table_of_averages`.
+`reading.read_data` reads them; begin with `table_of_averages`.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ from kinetics.crosscheck.data.containers import (
 from kinetics.crosscheck.data.h5md import read_h5md
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import Table
-from kinetics.crosscheck.data.text_table import column_names, read_text_table
+from kinetics.crosscheck.data.text_table import read_text_table
 from kinetics.crosscheck.data.trajectories import read_gsd, read_lammps, read_xyz
 from kinetics.errors import InputError, short
 
@@ -101,16 +101,6 @@ def read_source(source: Source, options: DataOptions) -> Table | AveragesTable |
     except Exception as error:  # the libraries raise errors of nearly any class
         reason = getattr(error, "strerror", None) or short(str(error), MAX_NAME)
         raise InputError(f"{where}: is damaged, or not of this format ({reason})") from None
-
-
-def column_names_of(source: Source, options: DataOptions) -> tuple[str, ...]:
-    """Return the names of the columns of a text file or a mapping; none of other files."""
-    if not isinstance(source, Path):
-        return tuple(str(name) for name in source)
-    where = name_of(source)
-    if _reader_of(source, where) is not read_text_table:
-        return ()
-    return column_names(source, where, options)
 
 
 def _reader_of(

@@ -1,6 +1,7 @@
-"""Read data: `read_sample` one sample of tracks, `read_averages` a table of averages.
+"""Read data: begin with `read_data`.
 
-source -> `formats` -> table -> `gather` -> tracks -> displacements -> `sample`.
+source -> `formats` -> table -> `gather` -> tracks -> displacements -> `sample`. A table of averages
+is handed on as it is.
 """
 
 from __future__ import annotations
@@ -14,11 +15,11 @@ import numpy as np
 import pandas as pd
 
 from kinetics.crosscheck.data.arrays import Source
-from kinetics.crosscheck.data.averages import AveragesTable, are_averages
+from kinetics.crosscheck.data.averages import AveragesTable
 from kinetics.crosscheck.data.copies import copies
 from kinetics.crosscheck.data.ends import without_biased_ends
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
-from kinetics.crosscheck.data.formats import column_names_of, name_of, read_source
+from kinetics.crosscheck.data.formats import name_of, read_source
 from kinetics.crosscheck.data.gather import gather_tracks
 from kinetics.crosscheck.data.identity import MIN_SHARE_IN_ORDER, share_in_order
 from kinetics.crosscheck.data.memory import MemoryBudget
@@ -31,7 +32,17 @@ from kinetics.crosscheck.words import numeral
 
 
 def read_sample(sources: Sequence[Source], check_motion: bool = True, **arguments: Any) -> Sample:
-    """Read one sample.
+    """Read one sample of tracks, as `read_data`; InputError for a table of averages."""
+    data = read_data(sources, check_motion, **arguments)
+    if isinstance(data, AveragesTable):
+        refuse_data(name_of(sources[0]), "averages at times", "tracks of particles")
+    return data
+
+
+def read_data(
+    sources: Sequence[Source], check_motion: bool = True, **arguments: Any
+) -> Sample | AveragesTable:
+    """Read one sample of tracks, or the table of averages that the only source is.
 
     Parameters
     ----------
@@ -41,9 +52,9 @@ def read_sample(sources: Sequence[Source], check_motion: bool = True, **argument
 
     Returns
     -------
-    Sample
-        Its warnings say what was left out, and what errors are from: with one configuration, or
-        without the column `medium`, they are by tracer.
+    Sample or AveragesTable
+        The warnings of a sample say what was left out, and what errors are from: with one
+        configuration, or without the column `medium`, they are by tracer.
     """
     options = DataOptions.checked(**arguments)
     _check_sources(sources)
@@ -52,7 +63,9 @@ def read_sample(sources: Sequence[Source], check_motion: bool = True, **argument
     for source in sources:
         table = read_source(source, options)
         if isinstance(table, AveragesTable):
-            refuse_data(name_of(source), "averages at times", "tracks of particles")
+            if len(sources) > 1:
+                refuse_data(name_of(source), "averages at times", "the only file")
+            return table
         if not isinstance(table, Table):
             if len(sources) > 1:
                 refuse_data(name_of(source), "an Ensemble of several", "the only file")
@@ -76,27 +89,6 @@ def read_sample(sources: Sequence[Source], check_motion: bool = True, **argument
         unit_names=_common_unit_names(tables),
         warnings=(*tracks.remarks, *sample.warnings, *impossible),
     )
-
-
-def read_averages(source: Source, **arguments: Any) -> AveragesTable | None:
-    """Read a table of averages; None if the source is something else.
-
-    Parameters
-    ----------
-    source : a file of text, or columns in memory
-    arguments : of :meth:`DataOptions.checked`
-
-    Raises
-    ------
-    InputError
-        It is a table of averages that cannot be used.
-    """
-    options = DataOptions.checked(**arguments)
-    if not are_averages(column_names_of(source, options), options):
-        return None
-    table = read_source(source, options)
-    assert isinstance(table, AveragesTable)
-    return table
 
 
 def _file_name(source: Source) -> str:

@@ -90,11 +90,6 @@ def read_text_table(path: Path, where: str, options: DataOptions) -> Table | Ave
     return table_of_columns(where, columns, options)
 
 
-def column_names(path: Path, where: str, options: DataOptions) -> tuple[str, ...]:
-    """Return the names of the columns of a delimited text file."""
-    return _find_layout(_TextFile.of(path, where), options).names
-
-
 # -- bytes and lines -------------------------------------------------------------------------------
 
 

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from kinetics.crosscheck.data.averages import AveragesTable
-from kinetics.crosscheck.data.reading import read_averages, read_sample
+from kinetics.crosscheck.data.reading import read_data, read_sample
 from kinetics.errors import InputError
 
 
 def table_of(tmp_path: Path, text: str, **arguments: float) -> AveragesTable:
     path = tmp_path / "averages.csv"
     path.write_text(text)
-    table = read_averages(path, **arguments)
-    assert table is not None
+    table = read_data([path], **arguments)
+    assert isinstance(table, AveragesTable)
     return table
 
 
@@ -62,9 +62,10 @@ def test_a_value_that_is_missing_is_not_a_number(tmp_path: Path) -> None:
 
 def test_tracks_are_no_averages(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
-    path.write_text("t,tracer,x,y,v0\n0,1,0,0,1\n1,1,1,0,1\n")
-    assert read_averages(path) is None
-    assert read_averages({"t": np.arange(2.0), "x": np.arange(2.0)}) is None
+    path.write_text("t,tracer,x,y,v0\n0,1,0,0,1\n1,1,1,0,1\n0,2,0,0,1\n1,2,1,0,1\n")
+    assert not isinstance(read_data([path]), AveragesTable)
+    with pytest.raises(InputError, match="no column 'y'"):
+        read_data([{"t": np.arange(2.0), "x": np.arange(2.0)}])
 
 
 def test_averages_are_no_tracks(tmp_path: Path) -> None:
