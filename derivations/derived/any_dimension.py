@@ -84,7 +84,7 @@ def _any_slope() -> Derived:
     # 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since E[u'] = c u
     c = s.cos_chi
     a, b, g = sp.symbols("a b g")
-    mean_path = free_path(1) * s.l
+    mean_path = free_path(1) * s.l  # free_path(n) = <L^n>/l^n = n!
     mean_square_path = free_path(2) * s.l**2
     power = sp.Symbol("power")  # c^N
 
@@ -156,15 +156,17 @@ class Member(NamedTuple):
 
 #: The order 0 of <exp(i k.r)>, which is 1: it drives the chain.
 _ONE = Member(order=0, m=0)
-#: The member that is chi_1.
+#: The member that is chi_1(zeta) = <r.u>/l, u the direction at the start.
 _CHI1 = Member(order=1, m=1)
-#: The member that is rho_2, the density of <r^2>.
+#: The member that is rho_2(zeta), <r^2>/l^2 of tracers that start with one speed.
 _RHO2 = Member(order=2, m=0)
-#: The member that is S_2.
+#: The member that is S_2(zeta): <x^2 - y^2>/(8 l^2) in the plane, <x^2 - y^2>/(3 l^2) in space, x
+#: along the direction at the start and y across.
 _S2 = Member(order=2, m=2)
-#: The member that is W_1.
+#: The member that is W_1(zeta), which drives rho_4: -<x r^2>/(16 l^3) in the plane and
+#: <x r^2>/(10 l^3) in space, x along the direction at the start.
 _W1 = Member(order=3, m=1)
-#: The member that is rho_4, the density of <r^4>.
+#: The member that is rho_4(zeta), <r^4>/l^4 of tracers that start with one speed.
 _RHO4 = Member(order=4, m=0)
 #: The functions of the chain, each after those that drive it.
 MEMBERS: dict[Member, UndefinedFunction] = {
@@ -177,32 +179,32 @@ MEMBERS: dict[Member, UndefinedFunction] = {
 
 
 @cache
-def harmonic(order: int, dimension: int) -> sp.Expr:
-    """cos(m angle) in the plane, P_m in space: a polynomial in that cosine."""
+def harmonic(m: int, dimension: int) -> sp.Expr:
+    """cos(m angle) in the plane, P_m in space: a polynomial in `COSINE`."""
     if dimension == 2:
-        return sp.chebyshevt(order, COSINE)
-    return sp.legendre(order, COSINE)
+        return sp.chebyshevt(m, COSINE)
+    return sp.legendre(m, COSINE)
 
 
 def over_directions(weight: sp.Expr, dimension: int) -> sp.Expr:
-    """The average over all directions of the velocity of a polynomial in that cosine."""
+    """The average over all directions of the velocity of a polynomial in `COSINE`."""
     if dimension == 2:
         in_angle = sp.expand(weight).subs(COSINE, sp.cos(s.theta))
         return sp.integrate(sp.expand(in_angle), (s.theta, 0, sp.pi)) / sp.pi
     return sp.integrate(sp.expand(weight), (COSINE, -1, 1)) / 2
 
 
-def share(weight: sp.Expr, order: int, dimension: int) -> sp.Expr:
-    """The coefficient of a harmonic in a polynomial in that cosine."""
-    target = harmonic(order, dimension)
+def share(weight: sp.Expr, m: int, dimension: int) -> sp.Expr:
+    """The coefficient of harmonic m in a polynomial in `COSINE`."""
+    target = harmonic(m, dimension)
     return over_directions(weight * target, dimension) / over_directions(target**2, dimension)
 
 
-def kernel(order: int, dimension: int) -> sp.Expr:
-    """The factor by which a deflection chi multiplies a harmonic: the addition theorem."""
+def kernel(m: int, dimension: int) -> sp.Expr:
+    """The factor by which a deflection chi multiplies harmonic m: the addition theorem."""
     if dimension == 2:
-        return sp.cos(order * s.chi)
-    return sp.legendre(order, sp.cos(s.chi))
+        return sp.cos(m * s.chi)
+    return sp.legendre(m, sp.cos(s.chi))
 
 
 @cache
@@ -210,7 +212,8 @@ def scale(member: Member, dimension: int) -> sp.Expr:
     """The coefficient of a harmonic in <(k.r)^n>/n!, over the function of the chain that it is.
 
     <r^n> stands in the mean over directions: <(k.r)^n> = k^n <r^n> times the mean of cos^n. In
-    the plane i^m is taken out of harmonic m, and i^n stands before <(k.r)^n>/n!.
+    the plane S_2 and W_1 are coefficients of i^m exp(i m phi), and i^n stands before <(k.r)^n>/n!;
+    chi_1 = <r.u>/l is the coefficient of the cosine itself.
     """
     order, m = member
     if m == 0:
@@ -242,7 +245,11 @@ def sources(dimension: int) -> dict[Member, dict[Member, sp.Expr]]:
 
 
 def chain_equation(member: Member, dimension: int) -> sp.Eq:
-    """The equation of one member of the chain."""
+    """The equation of one member of the chain.
+
+    It is a backward equation, in zeta = v t/l of the speed v at the start: the first collision
+    multiplies v, and so zeta, by s.
+    """
     unknown = MEMBERS[member]
     _, m = member
     after_collision = Avg(kernel(m, dimension) * unknown(s.s * s.zeta))
@@ -337,7 +344,10 @@ row(
 
 @derives("beyond:isotropic-plane")
 def _plane() -> Derived:
-    """Isotropic scattering at one speed in the plane, and its density of position."""
+    """Isotropic scattering at one speed in the plane, and its density of position.
+
+    g(r, zeta) is the density of the distance r, per unit r: its integral over r is 1.
+    """
     height = sp.sqrt(s.zeta**2 - s.r**2)  # the w whose ring has the radius r
     spread = -sp.diff(height, s.r) * sp.exp(height - s.zeta)
     return result(
