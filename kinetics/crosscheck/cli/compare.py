@@ -1,4 +1,8 @@
-"""The command `lorentz compare`; what it needs is imported when it runs."""
+"""The command `lorentz compare`; what it needs is imported when it runs.
+
+In help texts d is the diameter of a scatterer and of the tracer, U the standard deviation of one
+component of the initial velocity.
+"""
 
 from __future__ import annotations
 
@@ -56,9 +60,9 @@ from kinetics.crosscheck.cli.track_options import (
 def compare(
     data: tuple[Path, ...],
     restitution: float | None,
-    viscoelastic: float | None,
+    viscoelastic: float | None,  # of `options.drive_options`
     output: Path | None,
-    figures: tuple[str, ...],
+    figures: tuple[str, ...],  # formats of their files, "pdf", "png" or "svg"
     rows: bool,
     as_json: bool,
     fail_on: str | None,
@@ -73,12 +77,13 @@ def compare(
     """
     from kinetics import compare as compare_data
 
+    # the class `kinetics.Viscoelastic`: `particles` has one of this name too
     law = options.impact_law(viscoelastic, "kinetics", restitution)
     destination = ComparisonOutput(output, figures, rows, as_json)
-    destination.check(data)
+    destination.check(data)  # before the work: files can be written, and are none of the data
     settings = with_frame_interval(arguments)
     with options.progress(name="comparing"):
         comparison = compare_data(list(data), restitution=law, **settings)
     destination.show(comparison)
     is_failure = fail_on is not None and comparison.verdict in ("differs", fail_on)
-    return int(is_failure)  # the exit status
+    return int(is_failure)  # the status with which `kinetics.cli.main` ends
