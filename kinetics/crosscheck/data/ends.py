@@ -3,6 +3,9 @@
 A tracer that leaves the picture of a camera, or that a cap on collisions stops, is not missing at
 random: the fast ones end first, or those that went far, and what remains cools and spreads too
 little. Begin with `without_biased_ends`.
+
+d is the diameter of a scatterer and of the tracer, U the standard deviation of one component of the
+initial velocity.
 """
 
 from __future__ import annotations
