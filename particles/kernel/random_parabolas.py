@@ -2,6 +2,8 @@
 
 A free path is an exponential length along the parabola, impact parameters are random, both drawn as
 by `random_flights`. The times that the lengths take are found for all lanes at once (`parabola`).
+d is the diameter of a scatterer and of the tracer, U the standard deviation of one component of the
+initial velocity.
 """
 
 from math import copysign, sqrt
