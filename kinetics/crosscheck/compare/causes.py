@@ -5,6 +5,9 @@ it; or it is another medium, another start, or an exchange of components. Each i
 medium that the scatterers may be. It explains if what it leaves agrees and its value lies clearly
 from what was specified; those that explain are ranked by `Fit.criterion`, and only those near the
 best are said to. Begin with `tested_causes`.
+
+d is the diameter of a scatterer and of the tracer, U the standard deviation of one component of the
+initial velocity.
 """
 
 from __future__ import annotations
@@ -27,21 +30,39 @@ from kinetics.crosscheck.compare.statistics import root_of_variance
 from kinetics.crosscheck.data.sample import VX, X2, X
 from kinetics.crosscheck.words import Verdict, limit_factor, number, numeral
 
-#: -2 ln likelihood from the best up to which another explains as well: odds of 20. Why 20 is not
-#: recorded.
+#: Difference of `Fit.criterion` from the best up to which another explains as well. Derived:
+#: 2 ln 20, odds of 20; with the same T^2 a fit may have three more numbers. Why 20 is not recorded.
 NEAR_BEST = 6.0
 #: A cause explains in part only if T^2 falls by this. Derived: 4 sigma of one number, squared.
 MIN_GAIN = 16.0
 #: A cause explains in part only if T^2 falls by this share of itself, too. Chosen: less is no
 #: explanation of a large difference.
 MIN_GAIN_SHARE = 0.1
-#: Share of the errors of a fitted value that must lie nearer to it than what was specified.
-#: Derived: the share of a Gaussian within 3 sigma.
+#: How clearly a fitted value must differ from what was specified, which must lie outside the
+#: interval that holds this share of the value's errors. Derived: that of a Gaussian within 3 sigma.
 CLEARLY = 0.9973
 #: Largest share of tracers at rest that explains anything: a fit that runs beyond, to its limit of
-#: 0.9 (`parameters.LIMITS`), has failed. The origin of the number is not recorded.
+#: 0.9 (`parameters.LIMITS`), has failed. Chosen: below the limit, which a bounded fit may only come
+#: near; why 0.05 below is not recorded.
 MAX_AT_REST = 0.85
-#: What may have been exchanged between two axes -> columns of the sums along one axis.
+#: Restitutions from which a fit of e begins, beside the one specified. Chosen, as the other starts
+#: are, to guard against local minima: none was met. In 108 fits of six data sets (e = 0.3 taken for
+#: 0.9 and the reverse, five times the density, noise, half of the tracers at rest) each start alone
+#: led to the same minimum.
+STARTS_OF_RESTITUTION = (0.95, 0.8, 0.5)
+#: Offsets of the clock from which a fit begins, over the first time above 0. Chosen: of both signs,
+#: within the first time and beyond it.
+STARTS_OF_OFFSET = (0.3, -0.3, 3.0)
+#: Shares of tracers at rest from which a fit begins. Chosen: none, and few.
+STARTS_OF_SHARE_AT_REST = (0.0, 0.1)
+#: Variances of noise from which a fit begins, over the smallest mean square of a component. Chosen:
+#: weak, and up to near its limit (`parameters.MAX_NOISE_SHARE`).
+STARTS_OF_NOISE = (0.02, 0.3, 0.9)
+#: Folds of e from the specified number from which a fit of a positive one begins. Chosen: on either
+#: side, up to near `parameters.MAX_FOLDS`.
+STARTS_OF_FOLDS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
+#: What may have been exchanged between two axes -> columns of the sums along x. Those along y and z
+#: are three and six columns further on.
 EXCHANGED_SUMS = {
     "positions": (X, X2),
     "velocities": (VX,),
@@ -104,7 +125,7 @@ class TestedCause:
 
     @property
     def rank(self) -> tuple[bool, float, int]:
-        """What explains stands first, then the likeliest, then the one that fits fewer numbers."""
+        """What explains, then the least T^2 + 2 per fitted number, then the fewest of these."""
         explains = self.explanation.outcome == "explains"
         return not explains, self.fitted.criterion, len(self.fitted.free)
 
@@ -162,9 +183,11 @@ def _fit_of(cause: Cause, reference: Fit, measured: Measured, point: Point) -> F
     if not cause.free:
         return fit(measured, point, free, [coordinates], n_pool=N_FOR_CAUSE)
     parameter = free_parameter(cause.free, point, measured)
+    # coordinates of each start; of a number in LIMITS that is the number over its scale
     starts = [
         [*coordinates, parameter.coordinate(value)] for value in _starts(cause, point, measured)
     ]
+    # one round: weights from a pool of tracers, then the fit; quicker than the usual rounds
     return fit(measured, point, [*free, parameter], starts, n_rounds=1, n_pool=N_FOR_CAUSE)
 
 
@@ -186,7 +209,7 @@ def _variants(
         all_media = media_of("every", sample.law, point.path, point.restitution, sample.free)
         media = [medium for medium in all_media if medium not in media]
     if cause.name == "speed unit" and point.has_own_start:
-        return
+        return  # the theory starts from the data's speeds, in whatever unit they are
     points = [point]
     if cause.name == "initial speeds":
         points = _other_starts(measured, point)
@@ -225,10 +248,11 @@ def _exchange(measured: Measured, axis: int, columns: Sequence[int], what: str) 
     """Return the data with the sums of x and of another axis, 1 or 2, exchanged."""
     sample = measured.sample
     order = np.arange(sample.sums.shape[2])
-    for x in columns:
-        of_axis = x + 3 * axis
-        order[x] = of_axis
-        order[of_axis] = x
+    for column in columns:
+        # the sums of an axis are three columns after those of the one before
+        column_of_axis = column + 3 * axis
+        order[column] = column_of_axis
+        order[column_of_axis] = column
     exchanged = replace(sample, sums=sample.sums[..., order])
     words = f"x and {AXES[axis]} of the {what}"
     return Measured(exchanged, measured.layout, words)
@@ -241,16 +265,16 @@ def _starts(cause: Cause, point: Point, measured: Measured) -> list[float]:
         return [float(getattr(point, cause.free))]
     first_time = float(layout.times[layout.times > 0.0][0])
     if cause.free == "restitution":
-        return [point.restitution, 0.95, 0.8, 0.5]
+        return [point.restitution, *STARTS_OF_RESTITUTION]
     if cause.free == "time_offset":
-        return [0.3 * first_time, -0.3 * first_time, 3.0 * first_time]
+        return [share * first_time for share in STARTS_OF_OFFSET]
     if cause.free == "at_rest":
-        return [0.0, 0.1]
+        return list(STARTS_OF_SHARE_AT_REST)
     if cause.free.endswith("noise"):
         scale = free_parameter(cause.free, point, measured).scale
-        return [0.02 * scale, 0.3 * scale, 0.9 * scale]
+        return [share * scale for share in STARTS_OF_NOISE]
     value = getattr(point, cause.free)
-    return [value * math.exp(folds) for folds in (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)]
+    return [value * math.exp(folds) for folds in STARTS_OF_FOLDS]
 
 
 def _judged(reference: Fit, cause: Cause, fitted: Fit) -> Explanation:
@@ -260,6 +284,7 @@ def _judged(reference: Fit, cause: Cause, fitted: Fit) -> Explanation:
     assert before is not None
     assert after is not None
     is_clear = _is_clear(reference, cause, fitted)
+    # T^2; the text shows `value`, the chi-square that has the same p-value
     gain = before.statistic - after.statistic
     outcome = "does not"
     if after.verdict is Verdict.AGREES:
