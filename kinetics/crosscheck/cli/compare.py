@@ -85,5 +85,6 @@ def compare(
     with options.progress(name="comparing"):
         comparison = compare_data(list(data), restitution=law, **settings)
     destination.show(comparison)
+    # the verdict is "agrees", "unclear", "differs" or "not tested"; "differs" fails in either case
     is_failure = fail_on is not None and comparison.verdict in ("differs", fail_on)
     return int(is_failure)  # the status with which `kinetics.cli.main` ends
