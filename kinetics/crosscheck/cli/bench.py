@@ -80,6 +80,7 @@ def stress(quick: bool, groups: tuple[str, ...], output: Path | None, as_json: b
     """
     from kinetics.crosscheck.stress import run_stress
 
+    # `run_stress` calls it and lets the interruption go on, which ends the command.
     def interrupted(report: "StressReport") -> None:
         _show(report, output, as_json)
         click.echo(f"lorentz: interrupted: {report.not_run} cases were not run", err=True)
