@@ -190,7 +190,8 @@ def _of_cooling(solution: Solution) -> Violations:
             violations[f"{name} does not fall"] = Violation(fall, 0.0)
             at_begin = excess(values[name][is_begin])
             violations[f"{name} begins at 0"] = Violation(at_begin, 0.0)
-    # Bounces that throw tracers back and nearly stop them make D negative.
+    # Bounces that throw tracers back and nearly stop them make D negative. Smooth scatterers, which
+    # keep the tangential velocity, do not, in no case of the sweep.
     law = solution.scene.law
     is_forward = law.tangential_restitution == 1.0 or law.mean_cosine >= 0.0
     if "diffusion_coefficient" in values and is_forward:
