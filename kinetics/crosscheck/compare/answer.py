@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.compare.causes import NEAR_BEST, tested_causes
+from kinetics.crosscheck.compare.causes import tested_causes
 from kinetics.crosscheck.compare.fit import Fit
 from kinetics.crosscheck.compare.flat_directions import cannot_tell
 from kinetics.crosscheck.compare.judge import Judgement, judge
 from kinetics.crosscheck.compare.measured import Measured
-from kinetics.crosscheck.compare.media import across_media
+from kinetics.crosscheck.compare.media import across_media, media_not_excluded
 from kinetics.crosscheck.compare.noted import drifts, never_move, noted
 from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter, Row
@@ -101,23 +101,12 @@ def _likeliest(judged: Sequence[JudgedFit]) -> JudgedFit:
     return likeliest_first[0]
 
 
-def _across_media(best: JudgedFit, not_excluded: Sequence[JudgedFit]) -> Fit:
+def _across_media(best: Fit, not_excluded: Sequence[Fit]) -> Fit:
     """Return the best fit with the values and errors that hold in all media not excluded."""
     if not not_excluded:
-        return best.fitted
-    others = [judged.fitted for judged in not_excluded]
-    point, _, covariance = across_media(best.fitted, others)
-    return replace(best.fitted, point=point, covariance=covariance)
-
-
-def _not_excluded(judged: Sequence[JudgedFit], best: JudgedFit) -> list[JudgedFit]:
-    """Return the fits in other media that the data do not exclude."""
-    limit = best.fitted.criterion + NEAR_BEST
-    not_excluded = []
-    for fit in judged:
-        if fit.medium != best.medium and fit.fitted.criterion <= limit:
-            not_excluded.append(fit)
-    return not_excluded
+        return best
+    point, _, covariance = across_media(best, not_excluded)
+    return replace(best, point=point, covariance=covariance)
 
 
 def _explained(
@@ -161,8 +150,8 @@ def _comparison(
         likeliest = explanations[0]
         if likeliest.outcome in ("explains", "found") and likeliest.headline:
             cause = likeliest
-    not_excluded = _not_excluded(judged, best)
-    reported = _across_media(best, not_excluded)
+    not_excluded = media_not_excluded(best.fitted, [other.fitted for other in judged])
+    reported = _across_media(best.fitted, not_excluded)
     parameters = _parameters(reported, verdict, found_in_data)
     averages = best.fitted.chi_square
     clock = best.fitted.clock
@@ -190,7 +179,7 @@ def _comparison(
         unit_names=dict(sample.unit_names),
         cannot_tell=unknown,
         media=_chi_squares(judged),
-        undecided=tuple(fit.medium for fit in not_excluded),
+        undecided=tuple(fit.point.scatterers for fit in not_excluded),
         n_times=int(sample.times.size),
         first_time=clock * float(sample.times[0]),
         last_time=clock * float(sample.times[-1]),

@@ -12,10 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from kinetics.collision.medium import word_for_scatterers
-from kinetics.crosscheck.compare.causes import NEAR_BEST
 from kinetics.crosscheck.compare.curve_fit import CurveFit, Curves, fit_in_media
 from kinetics.crosscheck.compare.flat_directions import cannot_tell, unknown_numbers
-from kinetics.crosscheck.compare.media import across_media, media_of
+from kinetics.crosscheck.compare.media import across_media, media_not_excluded, media_of
 from kinetics.crosscheck.compare.observables import MEAN_SPEED, OBSERVABLES
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.result import Comparison, ComparisonTest, Parameter, Row
@@ -129,7 +128,7 @@ def _comparison(table: AveragesTable, curves: Curves, fits: Sequence[CurveFit]) 
     from scipy.stats import chi2
 
     best = min(fits, key=lambda fitted: fitted.criterion)
-    undecided = _not_excluded(best, fits)
+    undecided = media_not_excluded(best, fits)
     reported = _across_media(best, undecided)
     freedom = curves.size - len(best.names)
     p_value = None
@@ -185,12 +184,6 @@ def _remarks(curves: Curves) -> list[str]:
             f"{curves.n_left_out} averages without a standard error above 0 are left out."
         )
     return remarks
-
-
-def _not_excluded(best: CurveFit, fits: Sequence[CurveFit]) -> list[CurveFit]:
-    """Return the fits in other media that the averages do not exclude."""
-    limit = best.criterion + NEAR_BEST
-    return [fitted for fitted in fits if fitted is not best and fitted.criterion <= limit]
 
 
 def _across_media(best: CurveFit, not_excluded: Sequence[CurveFit]) -> CurveFit:

@@ -177,7 +177,7 @@ class Comparison(Result):
     cannot_tell : sentences on what the data cannot tell
     media : chi-square and degrees of freedom of the fit in each medium that was tried
     undecided : media that the data do not exclude, beside `medium`; fitted values are then means
-        over all of these, with errors that reach the value in each
+        over all of these, weighted by likelihood, with errors that reach the value in each
     n_times, first_time, last_time : the times of the data that were used
     next_step : what to do next, in one sentence; empty if there is nothing to do
     """

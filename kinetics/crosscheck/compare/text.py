@@ -113,7 +113,7 @@ def _theory_text(comparison: Comparison) -> str:
     if comparison.undecided:
         text += f"; the data do not exclude {' nor '.join(comparison.undecided)}"
         if any(parameter.error is not None for parameter in comparison.parameters.values()):
-            text += ": fitted values are the means over these media, their errors reach all"
+            text += ": fitted values are means over these media, their errors reach all"
     return f"{text}; from {comparison.initial}"
 
 

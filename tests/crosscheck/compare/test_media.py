@@ -47,7 +47,9 @@ def test_undecided_media_have_one_value_between_theirs_with_an_error_that_reache
     value = both.parameters[name].value
     error = both.parameters[name].error
     values = [parameter.value for parameter in of_medium.values()]
-    assert value == pytest.approx(np.mean(values), rel=1e-2)
+    chi_squares = np.array([both.media[medium][0] for medium in of_medium])
+    likelihoods = np.exp(-0.5 * (chi_squares - chi_squares.min()))
+    assert value == pytest.approx(np.average(values, weights=likelihoods), rel=1e-2)
     assert error > abs(values[1] - values[0])
     for parameter in of_medium.values():
         assert abs(value - parameter.value) < error
