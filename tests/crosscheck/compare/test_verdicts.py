@@ -235,9 +235,10 @@ def test_data_in_a_field(wrong: float, verdict: str) -> None:
 @cache
 def along_x(field: float, dimension: int) -> dict[str, Any]:
     """Tracers that fall, or start, along x."""
-    told = {"restitution": 0.7, "field": field, "times": TIMES, "seed": 5}
+    times = TIMES[:6]
+    told = {"restitution": 0.7, "field": field, "times": times, "seed": 5}
     if not field:
-        told |= {"times": [0.0, *TIMES], "initial": np.eye(dimension)[[0] * 50]}
+        told |= {"times": [0.0, *times], "initial": np.eye(dimension)[[0] * 50]}
     return arrays_of(simulated(medium=BoltzmannGrad(DENSITY, dimension=dimension), **told))
 
 

@@ -20,7 +20,7 @@ MEDIA = {
     "dilute": BoltzmannGrad(0.02),
     "hard disks": HardDisks(0.02, count=2000),
     "dense hard disks": HardDisks(0.1, count=2000),
-    "overlapping": Poisson(0.04),
+    "overlapping": Poisson(0.04, count=2000),
 }
 CLEAN_TIMES = np.arange(0.0, 61.0, 5.0)
 
