@@ -48,12 +48,15 @@ def lorentz(capsys: pytest.CaptureFixture[str]) -> Iterator[Lorentz]:
     signal.signal(signal.SIGTERM, handler)
 
 
+#: Folders whose tests derive the formulas of the paper.
+WITH_DERIVATIONS = ("tests/derivations/", "tests/crosscheck/report/")
+
 # The first test compiles nearly all kernels while another process derives and solves: two processes
 # that came to the same kernel at the same time would both compile it. Then come the files that take
 # longest.
 ORDER = [
-    "tests/particles/test_every_event.py", "tests/derivations",
-    "tests/crosscheck/compare/test_verdicts.py", "tests/crosscheck/report",
+    "tests/particles/test_every_event.py", *WITH_DERIVATIONS,
+    "tests/crosscheck/compare/test_verdicts.py",
     "tests/kinetics", "tests/particles", "tests/crosscheck", "tests",
 ]  # fmt: skip
 
@@ -71,7 +74,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """The tests of a file run in one process, which prepares what they share once.
 
-    So do all of the derivations, which share 15 s of algebra.
+    So do all of the derivations, and the reports, which share 15 s of algebra.
     """
     from xdist.scheduler import LoadFileScheduling
 
@@ -80,6 +83,6 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     class ByFile(LoadFileScheduling):
         def _split_scope(self, nodeid: str) -> str:
             file = super()._split_scope(nodeid)
-            return "derivations" if file.startswith("tests/derivations/") else file
+            return "derivations" if file.startswith(WITH_DERIVATIONS) else file
 
     return ByFile(config, log)

@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 import pytest
+from marking import slow_but
 
 #: Each line is the work of a thread: other names of other modules, in another order.
 WORK = """
@@ -35,7 +36,7 @@ print(*errors, sep="\\n", end="")
 """
 
 
-@pytest.mark.parametrize("switch_interval", [1e-5, 5e-3])
+@pytest.mark.parametrize("switch_interval", slow_but([1e-5], [1e-5, 5e-3]))
 def test_eight_threads_import_public_names_at_once(switch_interval: float) -> None:
     code = f"import sys; sys.setswitchinterval({switch_interval})\n{CODE}"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import matplotlib as mpl
 import numpy as np
 import pytest
+from marking import slow_but
 from matplotlib import pyplot
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -179,8 +180,13 @@ def test_plot_of_a_scaled_distribution_draws_both() -> None:
     assert len(ScalingSolution(1.0).plot()) == 1  # without a distribution
 
 
-@pytest.mark.parametrize("e", [0.0, 0.3, 0.99, 1.0])
-@pytest.mark.parametrize("tangential", [1.0, 0.5])
+@pytest.mark.parametrize(
+    ("e", "tangential"),
+    slow_but(
+        [(0.0, 1.0), (0.3, 0.5), (0.99, 1.0), (1.0, 1.0), (1.0, 0.5)],
+        [(e, tangential) for e in (0.0, 0.3, 0.99, 1.0) for tangential in (1.0, 0.5)],
+    ),
+)
 def test_every_scaled_distribution_can_be_drawn(e: float, tangential: float) -> None:
     for ax in ScalingSolution(e, tangential_restitution=tangential).plot():
         ax.figure.draw_without_rendering()

@@ -178,7 +178,10 @@ def _fit_of(cause: Cause, reference: Fit, measured: Measured, point: Point) -> F
     names = list(reference.names)
     coordinates = coordinates_of(reference.point, reference.free).tolist()
     if not cause.free and not names:
-        return compare_with_point(measured, point, N_FOR_CAUSE)
+        theory = None
+        if measured.layout is reference.measured.layout:  # its point may be solved already
+            theory = reference.theory
+        return compare_with_point(measured, point, N_FOR_CAUSE, theory)
     free = [free_parameter(name, point, measured) for name in names]
     if not cause.free:
         return fit(measured, point, free, [coordinates], n_pool=N_FOR_CAUSE)

@@ -166,9 +166,20 @@ def pool_at(measured: Measured, point: Point, n_tracers: int) -> Pool | None:
     return Pool(layout, point, measured.has_velocities, n_tracers)
 
 
-def compare_with_point(measured: Measured, point: Point, n_pool: int = N_FOR_TEST) -> Fit:
-    """Return the sample beside the theory of a point without fitted numbers."""
-    theory = Theory(measured.layout, measured.has_velocities)
+def compare_with_point(
+    measured: Measured, point: Point, n_pool: int = N_FOR_TEST, theory: Theory | None = None
+) -> Fit:
+    """Return the sample beside the theory of a point without fitted numbers.
+
+    Parameters
+    ----------
+    measured : the data
+    point : that they are compared with
+    n_pool : tracers of the pool for the test
+    theory : of the components of the data, which has solutions already; None: a new one
+    """
+    if theory is None:
+        theory = Theory(measured.layout, measured.has_velocities)
     residuals = Residuals.at(measured, theory, point, pool_at(measured, point, n_pool))
     nothing = np.empty((0, 0))
     slopes = np.empty((measured.layout.size, 0))

@@ -23,7 +23,7 @@ def test_a_wind_is_named_and_not_a_restitution(run: Run, wind: float) -> None:
 
 
 def test_data_without_a_wind_have_none(run: Run) -> None:
-    result = compare(columns_of(run), 0.6, 0.04)
+    result = compare(columns_of(run), 0.6, 0.04, scatterers="dilute")
     assert result.verdict == "differs"
     assert "wind" not in {cause.name for cause in result.explanations}
 

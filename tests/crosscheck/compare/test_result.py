@@ -60,18 +60,18 @@ KEYS_OF_DATA = {
     "unit_names",
 }
 #: The numbers with which `made_data` was simulated, on the command line.
-TRUTH = ("-e", "0.75", "--number-density", "0.04")
+TRUTH = ("-e", "0.75", "--number-density", "0.04", "--scatterers", "dilute")
 
 
 @pytest.fixture(scope="module")
 def differing(run: Run) -> Comparison:
     """With a wrong density, so that there is something to explain."""
-    return compare(columns_of(run), 0.75, 0.06)
+    return compare(columns_of(run), 0.75, 0.06, scatterers="dilute")
 
 
 @pytest.fixture(scope="module")
 def fitted(run: Run) -> Comparison:
-    return fit(columns_of(run))
+    return fit(columns_of(run), scatterers="dilute")
 
 
 def row(observable: str, value: float, error: float, theory: float, **changed: Any) -> Row:
@@ -396,8 +396,14 @@ def test_displacements_between_frames_are_drawn_over_the_time_between(
     assert theory[0].get_color() != theory[1].get_color()
 
 
-def test_the_page_stands_alone_and_begins_with_the_answer(differing: Comparison) -> None:
-    page = Page(render(differing, "page.json"))
+@pytest.fixture(scope="module")
+def page(differing: Comparison) -> Page:
+    return Page(render(differing, "page.json"))
+
+
+def test_the_page_stands_alone_and_begins_with_the_answer(
+    differing: Comparison, page: Page
+) -> None:
     assert all(reference.startswith("#") for reference in page.references)
     assert "script" not in page.tags
     assert page.tags.count("svg") == len(differing.figures)
@@ -408,8 +414,8 @@ def test_the_page_stands_alone_and_begins_with_the_answer(differing: Comparison)
     assert words.index("differ") < words.index(headline) < words.index("Tests")
 
 
-def test_the_page_has_every_number(differing: Comparison) -> None:
-    words = Page(render(differing, "page.json")).words
+def test_the_page_has_every_number(differing: Comparison, page: Page) -> None:
+    words = page.words
     for numbers in differing.numbers:
         assert number(numbers.value, numbers.error) in words
     for item in differing.explanations:
@@ -429,7 +435,7 @@ def test_texts_of_the_data_are_escaped(positions_alone: Comparison) -> None:
 def test_the_command_writes_a_page_and_its_numbers(csv: Path, tmp_path: Path, lorentz: Any) -> None:
     output = tmp_path / "page.html"
     document = lorentz.json("compare", str(csv), *TRUTH, "-o", str(output))
-    assert document == compare(csv, 0.75, 0.04).to_dict()
+    assert document == compare(csv, 0.75, 0.04, scatterers="dilute").to_dict()
     assert json.loads(output.with_suffix(".json").read_text(encoding="utf-8")) == document
     assert output.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert {path.name for path in tmp_path.iterdir()} == {"page.html", "page.json"}
@@ -438,15 +444,15 @@ def test_the_command_writes_a_page_and_its_numbers(csv: Path, tmp_path: Path, lo
 def test_a_difference_may_end_with_a_status(csv: Path, capsys: Any) -> None:
     from kinetics.cli import main
 
-    wrong = ["compare", str(csv), "-e", "0.6", "--number-density", "0.04"]
+    wrong = ["compare", str(csv), "-e", "0.6", *TRUTH[2:]]
     assert main([*wrong, "--fail-on", "differs"]) == 1
     assert capsys.readouterr().out.startswith("Data and theory differ")
     assert main(wrong) == 0
 
 
 def test_rows_are_printed_where_they_are_asked_for(csv: Path, lorentz: Any) -> None:
-    short = lorentz("fit", str(csv))
-    long = lorentz("fit", str(csv), "--rows")
+    short = lorentz("fit", str(csv), "--scatterers", "dilute")
+    long = lorentz("fit", str(csv), "--scatterers", "dilute", "--rows")
     assert long.startswith(short.rstrip("\n"))
     assert "speed_density" not in short
     assert "speed_density" in long

@@ -65,7 +65,9 @@ def test_from_rest() -> None:
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_energy_of_elastic_tracers_from_rest(dimension: int) -> None:
     """<v^2> = 2 g <x> where no energy is lost."""
-    found = solve(scene([0.2, 1.0, 4.0, 20.0], restitution=1.0, dimension=dimension), rtol=1e-6)
+    asked = scene([0.2, 1.0, 4.0], restitution=1.0, dimension=dimension,
+                  outputs=("thermal_speed", "mean_displacement"))  # fmt: skip
+    found = solve(asked, rtol=1e-6)
     assert found.thermal_speed**2 == pytest.approx(0.02 * found.mean_displacement[:, 0], rel=2e-6)
 
 
@@ -84,12 +86,14 @@ def test_late_times_reach_the_steady_state(e: float, et: float, dimension: int) 
     assert growth[1, 1] == pytest.approx(state.diffusion_perpendicular * speed * path, rel=1e-3)
 
 
-@pytest.mark.parametrize(("initial", "dimension"), [(Beam(0.8), 2), ("gaussian", 3)])
-def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
+@pytest.mark.parametrize(
+    ("initial", "dimension", "last"), [(Beam(0.8), 2, 100.0), ("gaussian", 3, 30.0)]
+)
+def test_a_vanishing_field_is_none(initial: Any, dimension: int, last: float) -> None:
     """Against the equation without a field, in all outputs."""
     names = {*OUTPUTS, "collisions", "velocity_tensor", "a2"} - {"displacement_tensor"}
     arguments: dict[str, Any] = {"initial": initial, "dimension": dimension, "outputs": names}
-    arguments |= {"restitution": 0.7, "times": [1e-7, 10.0, 100.0]}  # first, none has collided
+    arguments |= {"restitution": 0.7, "times": [1e-7, 10.0, last]}  # first, none has collided
     without = solve(Scene(**arguments), rtol=1e-8)
     found = solve(Scene(field=1e-13, **arguments), rtol=1e-5)
     scales = {"mean_velocity": without.thermal_speed, "mean_displacement": np.sqrt(without.msd)}
@@ -172,9 +176,16 @@ def test_speeds_that_none_has_add_no_rounding(e: float, et: float, t: float, g: 
     assert 1.0 + one.a2 == pytest.approx(1.0 + other.a2, rel=1e-4)
 
 
-@pytest.mark.parametrize("rtol", [1e-2, 1e-3])
 @pytest.mark.parametrize(
-    ("e", "et", "dimension"), [(0.124, 0.035, 3), (0.1, 0.1, 2), (0.0, 1.0, 2)]
+    ("e", "et", "dimension", "rtol"),
+    slow_but(
+        [(0.124, 0.035, 3, 1e-3), (0.1, 0.1, 2, 1e-2), (0.0, 1.0, 2, 1e-3)],
+        [
+            (*system, rtol)
+            for system in ((0.124, 0.035, 3), (0.1, 0.1, 2), (0.0, 1.0, 2))
+            for rtol in (1e-2, 1e-3)
+        ],
+    ),
 )
 def test_a_weak_field_leaves_what_collisions_make_slow(
     e: float, et: float, dimension: int, rtol: float
@@ -203,7 +214,7 @@ def test_a_weak_field_leaves_what_collisions_make_slow(
 
 def test_a_miss_is_warned_of() -> None:
     with pytest.warns(ToleranceWarning, match="averages"):
-        found = solve(scene([3.0], outputs=("mean_velocity",)), rtol=1e-12)
+        found = solve(scene([0.5], outputs=("mean_velocity",)), rtol=1e-12)
     assert found.status.name == "TOLERANCE_NOT_REACHED"
     assert found.error_estimate > 1e-12
 

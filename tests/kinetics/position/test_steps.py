@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from marking import slow_but
 
 from kinetics import Beam, Monoenergetic, Scene, SolverStatus, SpeedDensity, solve
 from kinetics.numerics import FloatArray
@@ -110,7 +111,7 @@ def test_a_norm_of_seven_digits_is_taken_as_one() -> None:
     )
 
 
-@pytest.mark.parametrize(("low", "high"), [(1.0, 1.7), (0.5, 1.0)])
+@pytest.mark.parametrize(("low", "high"), slow_but([(1.0, 1.7)], [(1.0, 1.7), (0.5, 1.0)]))
 def test_the_mean_square_of_g_is_that_of_the_averages(low: float, high: float) -> None:
     scene = Scene(
         0.6,
