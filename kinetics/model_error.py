@@ -88,7 +88,7 @@ def summary(errors: Mapping[str, FloatArray]) -> str:
 def warning_of_density(solution: Solved) -> str:
     """Return a warning of a density above those that the equation was fitted to; perhaps empty."""
     scene = solution.scene
-    density = scene.number_density * scene.diameter**2
+    density = scene.density_in_diameters
     if scene.scatterers == "dilute" or density <= TESTED_DENSITY:
         return ""
     return (

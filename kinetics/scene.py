@@ -171,11 +171,16 @@ class Scene(Storable):
         return Table("Scene", ("", "value", "unit"), rows)
 
     @property
+    def density_in_diameters(self) -> float:
+        """Scatterers in d^2, or d^3 in space; infinite where that is no number."""
+        return self.number_density * math.prod([self.diameter] * self.dimension)
+
+    @property
     def system(self) -> tuple[str, ...]:
         """The system as a title of a figure has it: "e = 0.7", "n = 0.04 d⁻²", "dilute"."""
         names = [field.name for field in dataclasses.fields(self) if field.name != "state"]
         arguments = {name: getattr(self, name) for name in names}
-        arguments["number_density"] = self.number_density * self.diameter**self.dimension
+        arguments["number_density"] = self.density_in_diameters
         return system_items(arguments, self.scatterers, self.dimension)
 
     @property

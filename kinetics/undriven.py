@@ -148,15 +148,17 @@ class UndrivenAnswer(Value):
         p, m = check_moment(self.scene.law, self.scene.state, p, m)
         ingredients = [(Ingredient(speed_power(p, m)),)]
         powers = PowerRange(lowest=p, highest=p, harmonic=max(m, LEAST_HARMONIC))
-        averages = Averages.over(*self.scene.problem, self.rtol, powers)
-        averages = _with_enough_nodes(averages, ingredients)
-        error = max(_error_of(averages, ingredients), averages.start.error({0, m}))
         name = f"<v^{p:g}>"
+        # negative powers of speeds near 0 may overflow: these are refused
+        with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+            averages = Averages.over(*self.scene.problem, self.rtol, powers)
+            averages = _with_enough_nodes(averages, ingredients)
+            error = max(_error_of(averages, ingredients), averages.start.error({0, m}))
+            moments = averages.power(p, m) * np.exp(p * averages.log_reference)
+        moments = _in_range(name, moments)
         if error > self.rtol:
             warn_missed(name, error, self.rtol)
-        with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-            moments = averages.power(p, m) * np.exp(p * averages.log_reference)
-        return _in_range(name, moments)
+        return moments
 
     # -- densities of the velocity ----------------------------------------------------------------
 

@@ -102,7 +102,9 @@ class ScaledState(Result, ABC):
         names = ("restitution", "tangential_restitution", "mass_ratio")
         arguments = {name: getattr(self, name) for name in names}
         if self.number_density is not None:
-            arguments["number_density"] = self.number_density * self.diameter**self.dimension
+            arguments["number_density"] = self.number_density * math.prod(
+                [self.diameter] * self.dimension
+            )
         return system_items(arguments, self.scatterers, self.dimension)
 
     def _checked_power(self, p: float) -> float:

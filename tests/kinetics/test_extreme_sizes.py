@@ -9,7 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import Beam, Gaussian, Monoenergetic, ScalingSolution, Scene, SpeedTable, solve
+from kinetics import (
+    Beam,
+    Gaussian,
+    InputError,
+    Monoenergetic,
+    ScalingSolution,
+    Scene,
+    SolverStatus,
+    SpeedTable,
+    solve,
+)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.7, 1.0])
@@ -69,3 +79,21 @@ def test_averages_do_not_depend_on_the_units(e: float, length: int, speed: int) 
         scaled = other.values[name] / 10.0 ** (a * length) / 10.0 ** (b * speed)
         size = 1.0 if name == "a2" else np.max(np.abs(one.values[name]))
         np.testing.assert_allclose(scaled, one.values[name], rtol=1e-8, atol=1e-8 * size)
+
+
+def test_a_diameter_whose_square_is_no_number() -> None:
+    scene = Scene(0.2, number_density=0.04, diameter=1e190, times=[1e3])
+    assert solve(scene).status is SolverStatus.CONVERGED
+    assert "dilute" in scene.system
+
+
+@pytest.mark.parametrize("tangential_restitution", [1e-320, 1e-300])
+def test_negative_powers_of_bounces_that_all_but_stop_are_refused(
+    tangential_restitution: float,
+) -> None:
+    scene = Scene(
+        0.2, times=[1.0, 1e3], tangential_restitution=tangential_restitution, outputs="temperature"
+    )
+    solution = solve(scene, rtol=1e-12)
+    with pytest.raises(InputError, match="overflows"):
+        solution.moment(-1.1)
