@@ -102,7 +102,8 @@ def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArr
     with contextlib.suppress(OverflowError, TypeError, ValueError):
         array = np.asarray(value)
         if array.dtype.kind in kinds and not np.ma.is_masked(value):
-            array = array.astype(complex if array.dtype.kind == "c" else float)
+            with np.errstate(over="ignore"):  # a longer float may be out of range: infinite
+                array = array.astype(complex if array.dtype.kind == "c" else float)
             array.flags.writeable = False
             return array
     refuse(name, value, allowed)

@@ -230,6 +230,14 @@ def test_one_line_names_the_argument(name: str, call: Callable[..., Any], value:
     assert len(str(refused.value)) < 400
 
 
+@pytest.mark.skipif(np.finfo(np.longdouble).max <= 1e308, reason="long doubles are doubles here")
+def test_a_long_double_beyond_the_doubles_is_refused() -> None:
+    solution = solve(Scene(0.7, times=[1.0], outputs="intermediate_scattering"))
+    for k in (np.longdouble("1e4000"), [np.longdouble("1e4000")]):
+        with pytest.raises(InputError, match="wave_numbers"):
+            solution.intermediate_scattering(k)
+
+
 def test_outputs_that_were_not_asked_for_say_so() -> None:
     solution = solved(outputs="msd")
     for name in ("position_density", "scaled_position_density", "intermediate_scattering"):
