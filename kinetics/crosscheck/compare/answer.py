@@ -150,7 +150,8 @@ def _comparison(
         likeliest = explanations[0]
         if likeliest.outcome in ("explains", "found") and likeliest.headline:
             cause = likeliest
-    not_excluded = media_not_excluded(best.fitted, [other.fitted for other in judged])
+    fits = [other.fitted for other in judged]
+    not_excluded = media_not_excluded(best.fitted, fits, not sample.has_velocities)
     reported = _across_media(best.fitted, not_excluded)
     parameters = _parameters(reported, verdict, found_in_data)
     averages = best.fitted.chi_square

@@ -18,10 +18,12 @@ from kinetics.crosscheck.data.sample import Law
 #: twentieth of the density, are not tried unasked.
 MEDIA = ("dilute", "hard disks", "overlapping disks")
 #: By how much the criterion of a medium may be above the best one before the data exclude it.
-#: Chosen: 4 sigma of one number, squared, as media that differ little are often in the wrong order.
-#: Of 60 sets of 600 to 1000 tracks of positions alone among hard disks of n = 0.04 the criterion of
-#: hard disks was above that of dilute scatterers in 9, by 13.5 at most.
-EXCLUDED_ABOVE = 16.0
+#: Derived: odds of 20 to 1.
+EXCLUDED_ABOVE = 6.0
+#: The same of positions alone. Chosen: 4 sigma of one number, squared, as media are often in the
+#: wrong order. Of 60 sets of 600 to 1000 tracks among hard disks of n = 0.04 the criterion of hard
+#: disks was above that of dilute scatterers in 9, by 13.5 at most.
+EXCLUDED_ABOVE_OF_POSITIONS = 16.0
 
 
 def media_of(
@@ -83,10 +85,10 @@ class FitInMedium(Protocol):
 
 
 def media_not_excluded(
-    best: FitInMediumType, fits: Sequence[FitInMediumType]
+    best: FitInMediumType, fits: Sequence[FitInMediumType], are_positions: bool = False
 ) -> list[FitInMediumType]:
-    """Return the fits in other media that the data do not exclude."""
-    limit = best.criterion + EXCLUDED_ABOVE
+    """Return the fits in other media that the data, perhaps positions alone, do not exclude."""
+    limit = best.criterion + (EXCLUDED_ABOVE_OF_POSITIONS if are_positions else EXCLUDED_ABOVE)
     medium = best.point.scatterers
     return [fit for fit in fits if fit.point.scatterers != medium and fit.criterion <= limit]
 
