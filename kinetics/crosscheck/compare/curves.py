@@ -129,7 +129,8 @@ def _comparison(table: AveragesTable, curves: Curves, fits: Sequence[CurveFit]) 
 
     best = min(fits, key=lambda fitted: fitted.criterion)
     undecided = media_not_excluded(best, fits)
-    reported = _across_media(best, undecided)
+    point, coordinates, covariance = across_media(best, undecided)
+    reported = replace(best, point=point, coordinates=coordinates, covariance=covariance)
     freedom = curves.size - len(best.names)
     p_value = None
     chi_square = None
@@ -184,14 +185,6 @@ def _remarks(curves: Curves) -> list[str]:
             f"{curves.n_left_out} averages without a standard error above 0 are left out."
         )
     return remarks
-
-
-def _across_media(best: CurveFit, not_excluded: Sequence[CurveFit]) -> CurveFit:
-    """Return the best fit with the values and errors that hold in all media not excluded."""
-    if not not_excluded:
-        return best
-    point, coordinates, covariance = across_media(best, not_excluded)
-    return replace(best, point=point, coordinates=coordinates, covariance=covariance)
 
 
 def _parameters(fitted: CurveFit, verdict: Verdict, dimension: int) -> dict[str, Parameter]:

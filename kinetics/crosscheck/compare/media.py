@@ -18,10 +18,10 @@ from kinetics.crosscheck.data.sample import Law
 #: twentieth of the density, are not tried unasked.
 MEDIA = ("dilute", "hard disks", "overlapping disks")
 #: By how much the criterion of a medium may be above the best one before the data exclude it.
-#: Derived: odds of 20 to 1.
+#: Derived: 2 ln 20, odds of 20 to 1, as of causes (`causes.NEAR_BEST`). Why 20 is not recorded.
 EXCLUDED_ABOVE = 6.0
 #: The same of positions alone. Chosen: 4 sigma of one number, squared, as media are often in the
-#: wrong order. Of 60 sets of 600 to 1000 tracks among hard disks of n = 0.04 the criterion of hard
+#: wrong order. Of 60 sets of 600 to 1000 tracks among hard disks of 0.04 d^-2 the criterion of hard
 #: disks was above that of dilute scatterers in 9, by 13.5 at most.
 EXCLUDED_ABOVE_OF_POSITIONS = 16.0
 
@@ -47,7 +47,8 @@ def media_of(
         return [scatterers]
     has_theory = law.smooth_disks and not are_dilute
     if has_theory and path is not None:
-        has_theory = law.free_path(path) <= HIGHEST_DENSITY
+        density = law.free_path(path)  # it gives n of l as well: n l is a constant
+        has_theory = density <= HIGHEST_DENSITY
     if has_theory and restitution is not None:
         has_theory = restitution >= LEAST_RESTITUTION
     if not has_theory:
@@ -102,12 +103,15 @@ def across_media(best: FitInMedium, others: Sequence[FitInMedium]) -> tuple[Poin
 
     Parameters
     ----------
-    best : the likeliest fit
+    best : the likeliest fit of those that agree with the data
     others : those in media that the data do not exclude
     """
+    if not others:
+        return best.point, best.coordinates, best.covariance
     fits = [best, *others]
     coordinates = np.array([fitted.coordinates for fitted in fits])
-    # none counts more than the best, which need not have the least criterion if that does not agree
+    # a medium with a lesser criterion whose fit does not agree with the data is not the best: it
+    # counts no more than that
     excess = np.array([max(fitted.criterion - best.criterion, 0.0) for fitted in fits])
     likelihoods = np.exp(-0.5 * excess)
     weights = likelihoods / likelihoods.sum()
@@ -118,6 +122,6 @@ def across_media(best: FitInMedium, others: Sequence[FitInMedium]) -> tuple[Poin
     values: dict[str, float] = {}
     for name, coordinate in zip(best.names, middle.tolist(), strict=True):
         values[name] = coordinate
-        if name not in LIMITS:
+        if name not in LIMITS:  # a number without limits is fitted as its logarithm
             values[name] = math.exp(coordinate)
     return best.point.with_values(**values), middle, np.asarray(covariance)

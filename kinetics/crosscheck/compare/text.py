@@ -34,7 +34,8 @@ def answer_text(comparison: Comparison) -> str:
     n_hidden = len(comparison.warnings) - MAX_WARNINGS
     lines += [wrapped(f"note: {warning}") for warning in comparison.warnings[:MAX_WARNINGS]]
     if n_hidden > 0:
-        lines.append(f"({n_hidden} more notes: --rows)")
+        notes = "note" if n_hidden == 1 else "notes"
+        lines.append(f"({n_hidden} more {notes}: --rows)")
     if comparison.next_step:
         lines.append(wrapped(f"next: {comparison.next_step}"))
     return "\n".join(lines)

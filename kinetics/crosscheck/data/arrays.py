@@ -34,6 +34,13 @@ def is_there_or_later(is_there: Flags) -> Flags:
     return np.maximum.accumulate(is_there[::-1], axis=0)[::-1]
 
 
+def label_text(label: object) -> str:
+    """Return a label as a message shows it: whole numbers, which files have as floats, as such."""
+    if isinstance(label, float | np.floating) and float(label).is_integer():
+        return str(int(label))
+    return str(label)
+
+
 def select_rows(columns: Columns, rows: Flags) -> dict[str, Column]:
     """Return some of the rows of all columns."""
     return {name: values[rows] for name, values in columns.items()}

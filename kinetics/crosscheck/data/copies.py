@@ -15,7 +15,7 @@ MIN_COPIES = 3
 MAX_AT_ONE_PLACE = 2.0
 
 
-def copies(tracks: Tracks) -> list[str]:
+def warnings_of_copies(tracks: Tracks) -> list[str]:
     """Return what is to be said if tracers move exactly as others do, at all times; or nothing.
 
     Of one label it is refused elsewhere. Tracers that never move are not counted.

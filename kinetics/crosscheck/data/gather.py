@@ -20,6 +20,7 @@ from kinetics.crosscheck.data.arrays import (
     Floats,
     Integers,
     floats_of,
+    label_text,
     select_rows,
 )
 from kinetics.crosscheck.data.columns import AXES, SPEEDS, present
@@ -392,7 +393,7 @@ def _check_one_row_each(rows: _Rows, cell: Integers) -> None:
         return
     row = int(np.argmax(filled[cell] > 1))
     names = present(IDENTITY_LABELS, rows.columns)
-    tracer = " of ".join(f"{name} {rows.columns[name][row]}" for name in names)
+    tracer = " of ".join(f"{name} {label_text(rows.columns[name][row])}" for name in names)
     time = floats_of(rows.columns, "time")[row]
     refuse_data(rows.where, f"more than one row of {tracer} at time {time:g}", "one for each time")
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.arrays import lengths_of
+from kinetics.crosscheck.data.arrays import label_text, lengths_of
 from kinetics.crosscheck.data.options import Units, refuse_data
 from kinetics.crosscheck.data.rounding import resolution_of
 from kinetics.crosscheck.data.tracks import Tracks
@@ -227,7 +227,7 @@ def _named(tracks: Tracks, units: Units, steps: ImpossibleSteps, is_everywhere: 
         shown = shown & steps.is_large
     names = []
     for index, tracer in np.argwhere(shown)[:MAX_STEPS_NAMED].tolist():
-        label = tracer if tracks.tracer is None else tracks.tracer[tracer]
+        label = tracer if tracks.tracer is None else label_text(tracks.tracer[tracer])
         names.append(f"tracer {label} at time {tracks.times[index + 1] * units.time:.6g}")
     return ", ".join(names)
 

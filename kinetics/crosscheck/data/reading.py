@@ -16,7 +16,7 @@ import pandas as pd
 
 from kinetics.crosscheck.data.arrays import Source
 from kinetics.crosscheck.data.averages import AveragesTable
-from kinetics.crosscheck.data.copies import copies
+from kinetics.crosscheck.data.copies import warnings_of_copies
 from kinetics.crosscheck.data.ends import without_biased_ends
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from kinetics.crosscheck.data.formats import name_of, read_source
@@ -76,18 +76,18 @@ def read_data(
     where = ", ".join(names)
     gathered = gather_tracks(tables, options)
     tracks = displacements(without_biased_ends(gathered), where, options)
-    impossible: list[str] = []
+    faults: list[str] = []  # what real tracks cannot do
     if _are_tracers_known(tracks, where) and check_motion:
-        impossible = impossible_motion(gathered, where, options.units)
+        faults += impossible_motion(gathered, where, options.units)
     sample = _group(tracks, names, options)
     if _are_tracers_known(tracks, where):
-        impossible += copies(tracks)
+        faults += warnings_of_copies(tracks)
     return replace(
         sample,
         law=Law(dimension=options.dimension or 2),
         units=options.units.by_name(),
         unit_names=_common_unit_names(tables),
-        warnings=(*tracks.remarks, *sample.warnings, *impossible),
+        warnings=(*tracks.remarks, *sample.warnings, *faults),
     )
 
 
@@ -118,8 +118,8 @@ def _common_unit_names(tables: Sequence[Table]) -> dict[str, str]:
 def _are_tracers_known(tracks: Tracks, where: str) -> bool:
     """Return whether rows belong to tracers, by their labels or by their order.
 
-    InputError where neither tells, and no configurations are there, whose averages at all times
-    are needed for the errors. (In one configuration, or none, a tracer is what is independent.)
+    Without either, errors need several configurations, each with its averages at all times:
+    InputError where there are none.
     """
     if tracks.tracer is not None or tracks.times.size < 2:
         return True
@@ -142,7 +142,8 @@ def _group(tracks: Tracks, names: tuple[str, ...], options: DataOptions) -> Samp
         grouping = "tracer"
     if tracks.medium is not None:
         codes, different = pd.factorize(tracks.medium, sort=True)
-        # one configuration alone shows no spread between them
+        # one configuration alone shows no spread between them, and its tracers are the groups; with
+        # several files those of one label are different ones
         if len(different) > 1 or np.max(tracks.file) > 0:
             label = codes
             grouping = "medium"
@@ -169,13 +170,14 @@ def _group(tracks: Tracks, names: tuple[str, ...], options: DataOptions) -> Samp
 
 def _missing_tracers(sample: Sample) -> list[str]:
     """Return what is to be said if tracers are missing at some times."""
-    most = int(sample.samples.max())
-    fewest = int(np.argmin(sample.samples))
-    n_missing = most - int(sample.samples[fewest])
+    n_tracers = int(sample.samples.max())
+    time_of_fewest = int(np.argmin(sample.samples))
+    n_missing = n_tracers - int(sample.samples[time_of_fewest])
     if n_missing == 0:
         return []
+    time = numeral(sample.times[time_of_fewest], ".4g")
     return [
-        f"At t = {numeral(sample.times[fewest], '.4g')} d/U, {n_missing} of {most} tracers are "
-        "missing. If the reason depends on their speed (a cap on collisions, a box that fast ones "
-        "leave), those that survive are not a fair sample."
+        f"At t = {time} d/U, {n_missing} of {n_tracers} tracers are missing. If the reason depends on "
+        "their speed (a cap on collisions, a box that fast ones leave), those that survive are not a "
+        "fair sample."
     ]

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 #: Relative resolution that is assumed at best, of the largest number: single precision has 6e-8,
 #: and texts of 7 digits 1e-7. Chosen: ten times these.
 BEST_RESOLUTION = 1e-6
-#: Numbers from which the resolution is told.
+#: Numbers from which the resolution is told. The origin of the number is not recorded.
 NUMBERS_SAMPLED = 2000
-#: Multiples of a decimal place that differ by this fraction of it are whole.
+#: Multiples of a decimal place that differ by this fraction of it are whole. The origin of the
+#: number is not recorded.
 WHOLE_WITHIN = 1e-4
 
 
@@ -23,10 +24,10 @@ def resolution_of(values: NDArray[Any]) -> float:
     Steps are powers of ten from that of the largest number on, so that the unit does not matter.
     """
     numbers = values[np.isfinite(values)].ravel()
+    finest = BEST_RESOLUTION * float(np.max(np.abs(numbers), initial=0.0))
     sampled = numbers[:: numbers.size // NUMBERS_SAMPLED + 1]
     if not np.any(sampled):
-        return 0.0
-    finest = BEST_RESOLUTION * float(np.max(np.abs(numbers)))
+        return finest
     decimals = -math.floor(math.log10(np.max(np.abs(sampled))))
     step = 10.0**-decimals
     while step > finest:
