@@ -177,7 +177,7 @@ def _missing_tracers(sample: Sample) -> list[str]:
         return []
     time = numeral(sample.times[time_of_fewest], ".4g")
     return [
-        f"At t = {time} d/U, {n_missing} of {n_tracers} tracers are missing. If the reason depends on "
-        "their speed (a cap on collisions, a box that fast ones leave), those that survive are not a "
-        "fair sample."
+        f"At t = {time} d/U, {n_missing} of {n_tracers} tracers are missing. If the reason depends "
+        "on their speed (a cap on collisions, a box that fast ones leave), those that survive are "
+        "not a fair sample."
     ]
